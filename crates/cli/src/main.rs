@@ -1,0 +1,2 @@
+//! The dsslam program.
+fn main() {}

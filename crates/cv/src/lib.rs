@@ -1,0 +1,1 @@
+//! OpenCV in one place: the reference that benchmarks compare with.

@@ -1,0 +1,1 @@
+//! ORB features, stereo and depth association, descriptor matching.

@@ -1,0 +1,1 @@
+//! Poses, cameras, minimal solvers and weighted RANSAC: pure mathematics.

@@ -1,0 +1,1 @@
+//! The one shared data structure, its invariants and its queries.

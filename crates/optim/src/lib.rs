@@ -1,0 +1,1 @@
+//! Least squares on plain problems: pose and bundle adjustment.

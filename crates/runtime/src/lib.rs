@@ -1,0 +1,1 @@
+//! Schedules, image prefetching and timings: the only crate with threads.

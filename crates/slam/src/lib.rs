@@ -1,0 +1,1 @@
+//! The steps of SLAM: initialise, track, map.

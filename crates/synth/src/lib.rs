@@ -1,0 +1,1 @@
+//! Rendered street worlds with exact ground truth.

@@ -1,0 +1,1 @@
+//! End-to-end, replay, golden and architecture tests; benchmarks.
