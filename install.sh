@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Installs what is missing and builds the program: ./install.sh [--prefix DIR]
+# May be run again at any time: what is there is kept. With --prefix the program is also copied to DIR/bin.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+usage() { sed -n '2,3s/^# //p' "$0"; }
+fail() { echo "install.sh: $*" >&2; exit 1; }
+
+prefix=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --prefix) prefix=${2:?install.sh: --prefix wants a folder}; shift 2 ;;
+    --prefix=*) prefix=${1#--prefix=}; shift ;;
+    -h|--help) usage; exit 0 ;;
+    *) usage >&2; fail "unknown argument: $1" ;;
+  esac
+done
+
+echo "[1/3] a C linker"
+if command -v cc >/dev/null 2>&1; then
+  echo "      there: $(command -v cc)"
+elif command -v apt-get >/dev/null 2>&1; then
+  sudo=; [ "$(id -u)" = 0 ] || sudo=sudo
+  echo "      installing the packages gcc and libc6-dev"
+  $sudo apt-get update -qq
+  $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends gcc libc6-dev >/dev/null
+else
+  fail "no C compiler ('cc') and no apt-get: install gcc with your package manager and try again"
+fi
+
+echo "[2/3] Rust"
+if ! command -v cargo >/dev/null 2>&1; then
+  for folder in "${CARGO_HOME:-$HOME/.cargo}/bin" /usr/local/cargo/bin; do
+    [ -x "$folder/cargo" ] && PATH=$folder:$PATH && break
+  done
+fi
+command -v cargo >/dev/null 2>&1 || fail "cargo is not there. Get Rust (https://rustup.rs) with
+    curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh
+open a new shell and run ./install.sh again"
+wanted=$(sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml)
+found=$(rustc --version | awk '{ print $2 }')
+[ "$(printf '%s\n%s\n' "$wanted" "$found" | sort -V | head -n 1)" = "$wanted" ] ||
+  fail "Rust $found is too old, $wanted or newer is needed: rustup update stable"
+echo "      there: Rust $found"
+
+echo "[3/3] cargo build --release --locked"
+cargo build --release --locked
+program=${CARGO_TARGET_DIR:-target}/release/dsslam
+if [ -n "$prefix" ]; then
+  mkdir -p "$prefix/bin"
+  install -m 755 "$program" "$prefix/bin/dsslam"
+  program=$prefix/bin/dsslam
+fi
+echo "built: $program   (try: $program demo)"
