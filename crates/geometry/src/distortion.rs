@@ -1,0 +1,90 @@
+//! Radial and tangential lens distortion as OpenCV defines it (Brown 1966).
+
+use crate::aliases::{Mat2, Vec2};
+use serde::{Deserialize, Serialize};
+
+/// Coefficients of the distortion of normalised image points `(x, y) = (X / Z, Y / Z)`; all zero means none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Distortion {
+    /// Radial, second order.
+    pub k1: f64,
+    /// Radial, fourth order.
+    pub k2: f64,
+    /// Tangential, along y.
+    pub p1: f64,
+    /// Tangential, along x.
+    pub p2: f64,
+    /// Radial, sixth order.
+    pub k3: f64,
+}
+
+impl Distortion {
+    /// Whether the lens does not distort.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The distorted place of an ideal normalised point.
+    #[must_use]
+    pub fn distort(&self, ideal: &Vec2) -> Vec2 {
+        let (x, y) = (ideal.x, ideal.y);
+        let r_sq = x * x + y * y;
+        let radial = 1.0 + r_sq * (self.k1 + r_sq * (self.k2 + r_sq * self.k3));
+        Vec2::new(
+            x * radial + 2.0 * self.p1 * x * y + self.p2 * (r_sq + 2.0 * x * x),
+            y * radial + self.p1 * (r_sq + 2.0 * y * y) + 2.0 * self.p2 * x * y,
+        )
+    }
+
+    /// The derivative of [`Distortion::distort`] by the ideal point (a symmetric 2 by 2 matrix).
+    #[must_use]
+    pub fn distort_jacobian(&self, ideal: &Vec2) -> Mat2 {
+        let (x, y) = (ideal.x, ideal.y);
+        let r_sq = x * x + y * y;
+        let radial = 1.0 + r_sq * (self.k1 + r_sq * (self.k2 + r_sq * self.k3));
+        // Twice the derivative of the radial factor by the squared radius.
+        let slope = 2.0 * (self.k1 + r_sq * (2.0 * self.k2 + r_sq * 3.0 * self.k3));
+        let mixed = slope * x * y + 2.0 * (self.p1 * x + self.p2 * y);
+        Mat2::new(
+            radial + slope * x * x + 2.0 * self.p1 * y + 6.0 * self.p2 * x,
+            mixed,
+            mixed,
+            radial + slope * y * y + 6.0 * self.p1 * y + 2.0 * self.p2 * x,
+        )
+    }
+
+    /// The ideal normalised point of a distorted one, by Newton's method with step halving, to rounding precision.
+    ///
+    /// Beyond the radius where the model folds back there is no inverse; then the closest point reached is returned.
+    #[must_use]
+    pub fn undistort(&self, distorted: &Vec2) -> Vec2 {
+        const MAX_ITERATIONS: usize = 30;
+        const MAX_HALVINGS: usize = 12;
+        if self.is_zero() {
+            return *distorted;
+        }
+        let mut ideal = *distorted;
+        let mut residual = self.distort(&ideal) - distorted;
+        for _ in 0..MAX_ITERATIONS {
+            let Some(inverse) = self.distort_jacobian(&ideal).try_inverse() else {
+                break;
+            };
+            let mut step = inverse * residual;
+            let mut improved = false;
+            for _ in 0..MAX_HALVINGS {
+                let candidate = ideal - step;
+                let candidate_residual = self.distort(&candidate) - distorted;
+                if candidate_residual.norm_squared() < residual.norm_squared() {
+                    (ideal, residual, improved) = (candidate, candidate_residual, true);
+                    break;
+                }
+                step *= 0.5;
+            }
+            if !improved {
+                break;
+            }
+        }
+        ideal
+    }
+}

@@ -1,0 +1,82 @@
+//! Images as plain data.
+
+/// A grid of values, row after row without padding.
+///
+/// `data.len() == width * height`; build it with [`Raster::new`] or [`Raster::from_vec`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Raster<T> {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Values, the upper left one first.
+    pub data: Vec<T>,
+}
+
+/// Brightness, 0 black to 255 white.
+pub type GrayImage = Raster<u8>;
+
+/// Depth in units of the sensor; 0 where unknown.
+pub type DepthImage = Raster<u16>;
+
+impl<T: Copy> Raster<T> {
+    /// A raster with the same value everywhere.
+    #[must_use]
+    pub fn new(width: usize, height: usize, fill: T) -> Self {
+        Self { width, height, data: vec![fill; width * height] }
+    }
+
+    /// A raster of these values; `None` unless there are `width * height` of them.
+    #[must_use]
+    pub fn from_vec(width: usize, height: usize, data: Vec<T>) -> Option<Self> {
+        (width.checked_mul(height) == Some(data.len())).then_some(Self { width, height, data })
+    }
+
+    /// A raster of the values `f(x, y)`.
+    #[must_use]
+    pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> T) -> Self {
+        let mut data = Vec::with_capacity(width * height);
+        for y in 0..height {
+            data.extend((0..width).map(|x| f(x, y)));
+        }
+        Self { width, height, data }
+    }
+
+    /// Row `y`.
+    ///
+    /// # Panics
+    /// When `y` is outside.
+    #[inline]
+    #[must_use]
+    pub fn row(&self, y: usize) -> &[T] {
+        &self.data[y * self.width..(y + 1) * self.width]
+    }
+
+    /// Row `y`, to be written.
+    ///
+    /// # Panics
+    /// When `y` is outside.
+    #[inline]
+    #[must_use]
+    pub fn row_mut(&mut self, y: usize) -> &mut [T] {
+        &mut self.data[y * self.width..(y + 1) * self.width]
+    }
+
+    /// The value at column `x`, row `y`.
+    ///
+    /// # Panics
+    /// In debug builds when `x` is outside; always when the place lies behind the data.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, x: usize, y: usize) -> T {
+        debug_assert!(x < self.width);
+        self.data[y * self.width + x]
+    }
+
+    /// The value at column `x`, row `y`, `None` outside.
+    #[inline]
+    #[must_use]
+    pub fn get(&self, x: usize, y: usize) -> Option<T> {
+        if x < self.width { self.data.get(y * self.width + x).copied() } else { None }
+    }
+}

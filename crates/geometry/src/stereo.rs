@@ -1,0 +1,71 @@
+//! The rectified stereo pair; an RGB-D camera is one with a virtual baseline.
+
+use crate::aliases::{Mat3, Vec2, Vec3};
+use crate::pinhole::Pinhole;
+use serde::{Deserialize, Serialize};
+
+/// Two equal pinhole cameras, the right one displaced by the baseline along +x of the left one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StereoRig {
+    /// Both cameras.
+    pub camera: Pinhole,
+    /// Distance of the two centres in metres.
+    pub baseline_m: f64,
+}
+
+impl StereoRig {
+    /// Focal length times baseline, in pixel metres: disparity times depth.
+    #[inline]
+    #[must_use]
+    pub fn bf(&self) -> f64 {
+        self.camera.fx * self.baseline_m
+    }
+
+    /// `(u, v, u_right)` in pixels of a point in coordinates of the left camera; meaningful for `z > 0` only.
+    #[inline]
+    #[must_use]
+    pub fn project(&self, point_cam: &Vec3) -> Vec3 {
+        let pixel = self.camera.project(point_cam);
+        Vec3::new(pixel.x, pixel.y, pixel.x - self.bf() / point_cam.z)
+    }
+
+    /// The point in coordinates of the left camera at pixel `(u, v)` and `depth` metres along z.
+    #[inline]
+    #[must_use]
+    pub fn unproject(&self, u: f64, v: f64, depth: f64) -> Vec3 {
+        self.camera.unproject(&Vec2::new(u, v)) * depth
+    }
+
+    /// Depth in metres of a disparity `u - u_right` in pixels.
+    #[inline]
+    #[must_use]
+    pub fn depth_from_disparity(&self, disparity_px: f64) -> f64 {
+        self.bf() / disparity_px
+    }
+
+    /// Disparity `u - u_right` in pixels of a depth in metres.
+    #[inline]
+    #[must_use]
+    pub fn disparity_from_depth(&self, depth: f64) -> f64 {
+        self.bf() / depth
+    }
+
+    /// The derivative of [`StereoRig::project`] by the point: 3 by 3, pixels per metre.
+    #[inline]
+    #[must_use]
+    pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat3 {
+        let mono = self.camera.project_jacobian(point_cam);
+        let disparity_slope = self.bf() / (point_cam.z * point_cam.z);
+        Mat3::new(
+            mono[(0, 0)],
+            0.0,
+            mono[(0, 2)],
+            0.0,
+            mono[(1, 1)],
+            mono[(1, 2)],
+            mono[(0, 0)],
+            0.0,
+            mono[(0, 2)] + disparity_slope,
+        )
+    }
+}
