@@ -1,0 +1,70 @@
+//! Why a frame has no pose, as values with numbers.
+
+use std::fmt;
+
+/// Why a frame could not be tracked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lost {
+    /// Neither the motion model nor the reference keyframe gave enough descriptor matches.
+    TooFewMatches {
+        /// The best number of matches of all attempts.
+        found: usize,
+        /// What the attempt would have needed.
+        needed: usize,
+    },
+    /// The pose found by prediction has too few inliers.
+    TooFewPredictedInliers {
+        /// Inliers of the best attempt.
+        found: usize,
+        /// What it would have needed.
+        needed: usize,
+    },
+    /// The local map confirms too few points.
+    TooFewLocalInliers {
+        /// Inlier matches after the last optimisation.
+        found: usize,
+        /// What it would have needed.
+        needed: usize,
+    },
+}
+
+impl fmt::Display for Lost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Lost::TooFewMatches { found, needed } => {
+                write!(f, "too few matches with the last frame and the reference keyframe: {found} of {needed}")
+            }
+            Lost::TooFewPredictedInliers { found, needed } => {
+                write!(f, "the predicted pose has too few inliers: {found} of {needed}")
+            }
+            Lost::TooFewLocalInliers { found, needed } => {
+                write!(f, "the local map confirms too few points: {found} of {needed}")
+            }
+        }
+    }
+}
+
+/// Why the map could not be started with a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NotReady {
+    /// Too few features with a depth.
+    TooFewDepths {
+        /// Features with a depth in this frame.
+        found: usize,
+        /// What the start needs.
+        needed: usize,
+        /// All features of this frame.
+        features: usize,
+    },
+}
+
+impl fmt::Display for NotReady {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotReady::TooFewDepths { found, needed, features } => write!(
+                f,
+                "the map cannot start: {found} of {features} features have a depth, {needed} are needed"
+            ),
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Keyframes whose close points are nearly all seen by at least three others say nothing new.
+
+use map::{KeyframeId, Map};
+
+use super::Mapper;
+
+/// Observers, at the same or a finer scale, that make an observation redundant.
+const MIN_OBSERVERS: usize = 3;
+
+impl Mapper {
+    /// Removes redundant keyframes among the covisible ones of `keyframe`; never the first, never the newest.
+    pub(super) fn cull_keyframes(&mut self, keyframe: KeyframeId) -> usize {
+        let Some(center) = self.map.keyframe(keyframe) else { return 0 };
+        let root = self.map.keyframes().next().map(|kf| kf.id);
+        let candidates = center.covisible_at_least(self.params.mapping.min_covisible_weight);
+        let mut removed = 0;
+        for (id, _) in candidates {
+            if Some(id) == root || id == keyframe {
+                continue;
+            }
+            if is_redundant(&self.map, id, self.params.mapping.redundant_ratio, self.params.mapping.close_depth_m) {
+                removed += usize::from(self.map.remove_keyframe(id).is_ok());
+            }
+        }
+        removed
+    }
+}
+
+fn is_redundant(map: &Map, id: KeyframeId, ratio: f64, close_depth_m: f64) -> bool {
+    let Some(keyframe) = map.keyframe(id) else { return false };
+    let mut n_points = 0;
+    let mut n_redundant = 0;
+    for (feature, point) in keyframe.points().iter().enumerate() {
+        let Some(point) = point.and_then(|id| map.point(id)) else { continue };
+        let depth = f64::from(keyframe.frame.depth[feature]);
+        if depth.is_nan() || depth > close_depth_m {
+            continue;
+        }
+        n_points += 1;
+        let octave = keyframe.frame.keypoints[feature].octave;
+        let others = point
+            .observations()
+            .iter()
+            .filter(|o| o.keyframe != id)
+            .filter_map(|o| map.keyframe(o.keyframe).map(|kf| kf.frame.keypoints[o.feature as usize].octave))
+            .filter(|&other| other <= octave + 1)
+            .take(MIN_OBSERVERS)
+            .count();
+        n_redundant += usize::from(others >= MIN_OBSERVERS);
+    }
+    n_points > 0 && n_redundant as f64 > ratio * n_points as f64
+}

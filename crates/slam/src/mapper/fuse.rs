@@ -1,0 +1,120 @@
+//! Fusion of duplicates: points projected into neighbouring keyframes, and the neighbours' points into this one.
+
+use features::{ProjectionQuery, WindowMatch, search_windows};
+use map::{Keyframe, KeyframeId, Map, Observation, PointId};
+use optim::{CHI2_MONO, CHI2_STEREO};
+
+use super::Mapper;
+use crate::assign::one_to_one;
+use crate::visibility::project_visible;
+
+/// Search window, pixels at octave 0.
+const RADIUS_PX: f32 = 3.0;
+/// Largest descriptor distance of duplicates.
+const MAX_DISTANCE: u32 = 50;
+
+impl Mapper {
+    /// Fuses with neighbours of first and second order; returns merges and new observations.
+    pub(super) fn fuse(&mut self, keyframe: KeyframeId) -> usize {
+        let targets = self.fusion_targets(keyframe);
+        let own = points_of(&self.map, keyframe);
+        let mut changed = 0;
+        for &target in &targets {
+            changed += self.fuse_into(target, &own);
+        }
+        let mut foreign: Vec<PointId> = targets.iter().flat_map(|&target| points_of(&self.map, target)).collect();
+        foreign.sort_unstable();
+        foreign.dedup();
+        changed + self.fuse_into(keyframe, &foreign)
+    }
+
+    /// The best covisible keyframes and the best covisible ones of those.
+    fn fusion_targets(&self, keyframe: KeyframeId) -> Vec<KeyframeId> {
+        let mapping = &self.params.mapping;
+        let best = |id: KeyframeId, n: usize| self.map.keyframe(id).map_or(Vec::new(), |kf| kf.best_covisible(n));
+        let mut targets = Vec::new();
+        for first in best(keyframe, mapping.neighbours) {
+            for id in std::iter::once(first).chain(best(first, mapping.second_neighbours)) {
+                if id != keyframe && !targets.contains(&id) {
+                    targets.push(id);
+                }
+            }
+        }
+        targets
+    }
+
+    /// Projects `points` into `target`: a feature that holds another point merges the two, a free one is linked.
+    fn fuse_into(&mut self, target: KeyframeId, points: &[PointId]) -> usize {
+        let Some(keyframe) = self.map.keyframe(target) else { return 0 };
+        let found = find_duplicates(&self.map, keyframe, points);
+        let mut changed = 0;
+        for (feature, id) in found {
+            let Some(id) = self.map.resolve(id) else { continue };
+            let holder = self.map.keyframe(target).and_then(|kf| kf.point_at(feature));
+            let done = match holder {
+                Some(other) if other == id => false,
+                Some(other) => {
+                    let (keep, drop) = self.longer_lived(other, id);
+                    self.map.merge_points(keep, drop).is_ok()
+                }
+                None => self.map.link(id, Observation { keyframe: target, feature }).is_ok(),
+            };
+            changed += usize::from(done);
+        }
+        changed
+    }
+
+    /// The point with more observations first; ties keep the older point.
+    fn longer_lived(&self, a: PointId, b: PointId) -> (PointId, PointId) {
+        let observations = |id| self.map.point(id).map_or(0, |p| p.observations().len());
+        let (n_a, n_b) = (observations(a), observations(b));
+        if n_a > n_b || (n_a == n_b && a < b) { (a, b) } else { (b, a) }
+    }
+}
+
+/// Features of `keyframe` at which points from elsewhere appear, as `(feature, point)`.
+fn find_duplicates(map: &Map, keyframe: &Keyframe, points: &[PointId]) -> Vec<(u32, PointId)> {
+    let frame = &keyframe.frame;
+    let mut present: Vec<PointId> = keyframe.points().iter().flatten().copied().collect();
+    present.sort_unstable();
+    let center = keyframe.cam_from_world.center();
+    let mut ids = Vec::new();
+    let mut queries = Vec::new();
+    for &id in points {
+        if present.binary_search(&id).is_ok() {
+            continue;
+        }
+        let Some(point) = map.point(id) else { continue };
+        let Some(seen) = project_visible(frame, &keyframe.cam_from_world, &center, point) else { continue };
+        ids.push(id);
+        queries.push(ProjectionQuery {
+            x: seen.u as f32,
+            y: seen.v as f32,
+            right_u: seen.right_u as f32,
+            radius_px: RADIUS_PX * frame.scales.scales[seen.octave as usize],
+            min_octave: seen.octave.saturating_sub(1),
+            max_octave: seen.octave,
+            descriptor: point.descriptor,
+        });
+    }
+    let finds = search_windows(frame, &queries, &vec![true; frame.len()]);
+    let fits = |query: usize, find: &WindowMatch| {
+        let feature = find.best.feature as usize;
+        let q = &queries[query];
+        let keypoint = &frame.keypoints[feature];
+        let (dx, dy) = (f64::from(keypoint.x - q.x), f64::from(keypoint.y - q.y));
+        let right_u = frame.right_u[feature];
+        let (error_sq, limit) = if right_u.is_nan() {
+            (dx * dx + dy * dy, CHI2_MONO)
+        } else {
+            let dr = f64::from(right_u - q.right_u);
+            (dx * dx + dy * dy + dr * dr, CHI2_STEREO)
+        };
+        find.best.distance <= MAX_DISTANCE && error_sq * frame.inv_sigma_sq(feature) <= limit
+    };
+    one_to_one(&finds, frame.len(), fits).into_iter().map(|(feature, query)| (feature, ids[query])).collect()
+}
+
+fn points_of(map: &Map, keyframe: KeyframeId) -> Vec<PointId> {
+    map.keyframe(keyframe).map_or(Vec::new(), |kf| kf.points().iter().flatten().copied().collect())
+}

@@ -1,0 +1,84 @@
+//! Insertion of a keyframe: its matches become observations, its unmatched close features become points.
+
+use features::Frame;
+use geometry::{SE3, Vec3};
+use map::{Batch, KeyframeId, NewKeyframe, NewPoint, Observation, PointId};
+
+use super::Mapper;
+use crate::tracker::KeyframeRequest;
+
+impl Mapper {
+    pub(super) fn insert_keyframe(&mut self, request: &KeyframeRequest) -> Option<KeyframeId> {
+        let cam_from_world = match request.reference {
+            None => request.cam_from_reference,
+            Some(reference) => {
+                let (alive, reference_from_alive) = self.map.resolve_keyframe(reference)?;
+                let alive_from_world = self.map.keyframe(alive)?.cam_from_world;
+                (request.cam_from_reference * reference_from_alive * alive_from_world).normalized()
+            }
+        };
+        let matches = self.living_matches(&request.matches);
+        let keyframe = self.map.next_keyframe_id();
+        let points = depth_points(
+            &request.frame,
+            &cam_from_world,
+            &matches,
+            self.params.mapping.close_depth_m,
+            self.params.mapping.min_depth_points,
+        )
+        .into_iter()
+        .map(|(feature, position)| NewPoint { position, observations: vec![Observation { keyframe, feature }] })
+        .collect();
+        let batch = Batch {
+            keyframe: Some(NewKeyframe { frame: request.frame.clone(), cam_from_world, matches }),
+            points,
+        };
+        let inserted = self.map.insert(batch).ok()?;
+        self.young.extend(inserted.points);
+        inserted.keyframe
+    }
+
+    /// Matches whose points still exist, under their present ids; each point once.
+    fn living_matches(&self, matches: &[(u32, PointId)]) -> Vec<(u32, PointId)> {
+        let mut used = Vec::with_capacity(matches.len());
+        let mut living = Vec::with_capacity(matches.len());
+        for &(feature, id) in matches {
+            let Some(id) = self.map.resolve(id) else { continue };
+            if let Err(at) = used.binary_search(&id) {
+                used.insert(at, id);
+                living.push((feature, id));
+            }
+        }
+        living
+    }
+}
+
+/// Positions for unmatched features with depth, nearest first: all that are close, and in any case until matched and
+/// new points with depth are `min_points`.
+fn depth_points(
+    frame: &Frame,
+    cam_from_world: &SE3,
+    matches: &[(u32, PointId)],
+    close_depth_m: f64,
+    min_points: usize,
+) -> Vec<(u32, Vec3)> {
+    let mut matched = vec![false; frame.len()];
+    for &(feature, _) in matches {
+        matched[feature as usize] = true;
+    }
+    let mut by_depth: Vec<usize> = (0..frame.len()).filter(|&i| frame.has_depth(i)).collect();
+    by_depth.sort_by(|&a, &b| frame.depth[a].total_cmp(&frame.depth[b]).then(a.cmp(&b)));
+    let world_from_cam = cam_from_world.inverse();
+    let mut points = Vec::new();
+    for (rank, &feature) in by_depth.iter().enumerate() {
+        if f64::from(frame.depth[feature]) > close_depth_m && rank >= min_points {
+            break;
+        }
+        if !matched[feature]
+            && let Some(point_cam) = frame.unproject(feature)
+        {
+            points.push((feature as u32, world_from_cam * point_cam));
+        }
+    }
+    points
+}

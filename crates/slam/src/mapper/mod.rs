@@ -1,0 +1,85 @@
+//! Mapping: the one writer of the map. Inserts keyframes at once, then does the slow work on them.
+
+mod cull_keyframes;
+mod cull_points;
+mod fuse;
+mod insert;
+mod local_bundle;
+mod triangulate;
+mod two_view;
+
+use map::{KeyframeId, Map, PointCount, PointId};
+
+use crate::params::Params;
+use crate::probe::{Probe, Stage, staged};
+use crate::tracker::KeyframeRequest;
+
+/// What the slow work on one keyframe did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MappingReport {
+    /// Young points dropped.
+    pub culled_points: usize,
+    /// Points triangulated with covisible keyframes.
+    pub triangulated: usize,
+    /// Points merged with others, and observations added, by fusion.
+    pub fused: usize,
+    /// Keyframes moved by the local bundle adjustment.
+    pub adjusted_keyframes: usize,
+    /// Points moved by it.
+    pub adjusted_points: usize,
+    /// Observations that it found to be outliers.
+    pub outliers: usize,
+    /// Redundant keyframes removed.
+    pub culled_keyframes: usize,
+}
+
+/// Owner of the map.
+#[derive(Clone, Debug)]
+pub struct Mapper {
+    map: Map,
+    params: Params,
+    /// Points on probation, in order of creation.
+    young: Vec<PointId>,
+}
+
+impl Mapper {
+    /// A mapper with an empty map.
+    pub fn new(params: Params) -> Self {
+        Mapper { map: Map::new(), params, young: Vec::new() }
+    }
+
+    /// The map as it is now.
+    pub fn map(&self) -> &Map {
+        &self.map
+    }
+
+    /// Gives the map away at the end of a run.
+    pub fn into_map(self) -> Map {
+        self.map
+    }
+
+    /// Adds the statistics of a tracked frame.
+    pub fn count(&mut self, counts: &[PointCount]) {
+        self.map.count(counts);
+    }
+
+    /// Inserts a keyframe with its stereo points at once; `None` if its reference is gone from the map.
+    pub fn insert(&mut self, request: &KeyframeRequest, probe: &mut dyn Probe) -> Option<KeyframeId> {
+        staged(probe, Stage::Insert, || self.insert_keyframe(request))
+    }
+
+    /// The slow work on a keyframe that was inserted: cull young points, triangulate, fuse, adjust, cull keyframes.
+    pub fn refine(&mut self, keyframe: KeyframeId, probe: &mut dyn Probe) -> MappingReport {
+        let mut report = MappingReport::default();
+        report.culled_points = staged(probe, Stage::CullPoints, || self.cull_points(keyframe));
+        report.triangulated = staged(probe, Stage::Triangulate, || self.triangulate(keyframe));
+        report.fused = staged(probe, Stage::Fuse, || self.fuse(keyframe));
+        let adjusted = staged(probe, Stage::LocalBundle, || self.adjust(keyframe));
+        report.adjusted_keyframes = adjusted.keyframes;
+        report.adjusted_points = adjusted.points;
+        report.outliers = adjusted.outliers;
+        report.culled_keyframes = staged(probe, Stage::CullKeyframes, || self.cull_keyframes(keyframe));
+        debug_assert_eq!(self.map.check(), Ok(()), "after keyframe {keyframe:?}");
+        report
+    }
+}

@@ -1,0 +1,106 @@
+//! What can be set in tracking and mapping. Defaults follow ORB-SLAM2's published constants where not said otherwise.
+
+/// Parameters of the tracker.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackingParams {
+    /// Features with depth needed to start a map.
+    pub min_initial_depths: usize,
+    /// Half window of the search around the predicted position, pixels at octave 0 (stereo 7, RGB-D 15).
+    pub motion_radius_px: f32,
+    /// Matches that the motion model needs before it optimises.
+    pub min_motion_matches: usize,
+    /// Descriptor matches that the reference keyframe needs.
+    pub min_reference_matches: usize,
+    /// Inliers that a prediction needs.
+    pub min_predicted_inliers: usize,
+    /// Inliers that the local map needs.
+    pub min_inliers: usize,
+    /// Factor on the local map's search window (stereo 1, RGB-D 3).
+    pub local_radius_factor: f32,
+    /// Keyframes in the local map at most.
+    pub max_local_keyframes: usize,
+    /// A keyframe is due after this many frames without one (the camera's frame rate, that is one second).
+    pub max_keyframe_gap: u32,
+    /// Share of the reference keyframe's points below which a keyframe is due.
+    pub keyframe_ratio: f64,
+    /// Features nearer than this depth count as close, metres.
+    pub close_depth_m: f64,
+}
+
+/// Parameters of the mapper.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MappingParams {
+    /// Covisible keyframes that triangulation and fusion look at.
+    pub neighbours: usize,
+    /// Second-order neighbours of each neighbour in fusion.
+    pub second_neighbours: usize,
+    /// Shared points from which two keyframes are optimised together.
+    pub min_covisible_weight: u32,
+    /// Young points found in less than this share of the frames that should see them are dropped.
+    pub min_found_ratio: f64,
+    /// Robust iterations of the local bundle adjustment.
+    pub first_iterations: usize,
+    /// Plain iterations after the outliers are out.
+    pub second_iterations: usize,
+    /// Keyframes that the local bundle adjustment moves at most.
+    pub max_local_keyframes: usize,
+    /// A keyframe is redundant when this share of its close points is seen by three others.
+    pub redundant_ratio: f64,
+    /// Features nearer than this depth count as close, metres.
+    pub close_depth_m: f64,
+    /// Close points made from depth when a keyframe is inserted; all that are closer are made anyway.
+    pub min_depth_points: usize,
+}
+
+/// All parameters of the SLAM steps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Params {
+    /// The tracker's.
+    pub tracking: TrackingParams,
+    /// The mapper's.
+    pub mapping: MappingParams,
+    /// Seed of every random decision.
+    pub seed: u64,
+}
+
+impl Params {
+    /// For rectified stereo; `close_depth_m` is usually 35 to 40 baselines.
+    pub fn stereo(close_depth_m: f64, frame_rate_hz: f64) -> Self {
+        Params {
+            tracking: TrackingParams {
+                min_initial_depths: 100,
+                motion_radius_px: 7.0,
+                min_motion_matches: 20,
+                min_reference_matches: 15,
+                min_predicted_inliers: 10,
+                min_inliers: 30,
+                local_radius_factor: 1.0,
+                max_local_keyframes: 80,
+                max_keyframe_gap: frame_rate_hz.round().max(1.0) as u32,
+                keyframe_ratio: 0.75,
+                close_depth_m,
+            },
+            mapping: MappingParams {
+                neighbours: 10,
+                second_neighbours: 5,
+                min_covisible_weight: 15,
+                min_found_ratio: 0.25,
+                first_iterations: 5,
+                second_iterations: 10,
+                max_local_keyframes: 40,
+                redundant_ratio: 0.9,
+                close_depth_m,
+                min_depth_points: 100,
+            },
+            seed: 0,
+        }
+    }
+
+    /// For RGB-D: wider windows, since hand-held cameras turn faster.
+    pub fn rgbd(close_depth_m: f64, frame_rate_hz: f64) -> Self {
+        let mut params = Params::stereo(close_depth_m, frame_rate_hz);
+        params.tracking.motion_radius_px = 15.0;
+        params.tracking.local_radius_factor = 3.0;
+        params
+    }
+}

@@ -1,0 +1,174 @@
+//! When a frame becomes a keyframe (orbslam2.md section 3), from counts and frame numbers, never from the clock.
+
+use std::fmt;
+
+use features::Frame;
+use map::Map;
+
+use super::Tracker;
+use super::local_map::LocallyTracked;
+
+/// Fewer tracked close points than this, with enough untracked ones, ask for a keyframe.
+const MIN_CLOSE_TRACKED: usize = 100;
+/// More untracked close features than this could be turned into points.
+const MIN_CLOSE_UNTRACKED: usize = 70;
+/// Ratio below which tracking is weak, whatever the mapper does.
+const WEAK_RATIO: f64 = 0.25;
+/// Ratio of a map with a single keyframe.
+const YOUNG_RATIO: f64 = 0.4;
+/// With fewer inliers a keyframe would not be worth inserting.
+const MIN_INLIERS: usize = 15;
+/// Points of the reference count from this many observations on.
+const MIN_OBSERVATIONS: usize = 3;
+
+/// Why a frame became a keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeyframeReason {
+    /// The first of the map.
+    First,
+    /// Close points are running out while untracked ones are at hand.
+    FewClose,
+    /// Less than the wanted share of the reference keyframe's points is tracked.
+    FewShared,
+}
+
+impl fmt::Display for KeyframeReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            KeyframeReason::First => "first",
+            KeyframeReason::FewClose => "few close points",
+            KeyframeReason::FewShared => "few shared points",
+        })
+    }
+}
+
+/// The counts that the decision is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Counts {
+    pub(crate) frames_since_keyframe: u32,
+    pub(crate) max_gap: u32,
+    pub(crate) mapper_idle: bool,
+    pub(crate) n_keyframes: usize,
+    pub(crate) reference_points: usize,
+    pub(crate) inliers: usize,
+    pub(crate) close_tracked: usize,
+    pub(crate) close_untracked: usize,
+    pub(crate) ratio: f64,
+}
+
+/// Conditions A (gap), B (idle mapper), C (weak) and D (worth it); a keyframe is due when (A or B or C) and D.
+pub(crate) fn decide(counts: &Counts) -> Option<KeyframeReason> {
+    let few_close = counts.close_tracked < MIN_CLOSE_TRACKED && counts.close_untracked > MIN_CLOSE_UNTRACKED;
+    let ratio = if counts.n_keyframes < 2 { YOUNG_RATIO } else { counts.ratio };
+    let reference = counts.reference_points as f64;
+    let few_shared = (counts.inliers as f64) < ratio * reference;
+    let gap = counts.frames_since_keyframe >= counts.max_gap;
+    let weak = (counts.inliers as f64) < WEAK_RATIO * reference || few_close;
+    let worth = (few_shared || few_close) && counts.inliers > MIN_INLIERS;
+    if !((gap || counts.mapper_idle || weak) && worth) {
+        return None;
+    }
+    Some(if few_close { KeyframeReason::FewClose } else { KeyframeReason::FewShared })
+}
+
+impl Tracker {
+    /// Gathers the counts and decides.
+    pub(super) fn decide_keyframe(
+        &self,
+        frame: &Frame,
+        map: &Map,
+        local: &LocallyTracked,
+        mapper_idle: bool,
+    ) -> Option<KeyframeReason> {
+        let n_keyframes = map.n_keyframes();
+        let min_observations = if n_keyframes <= 2 { MIN_OBSERVATIONS - 1 } else { MIN_OBSERVATIONS };
+        let reference_points = map.keyframe(local.reference).map_or(0, |kf| {
+            kf.points()
+                .iter()
+                .flatten()
+                .filter(|&&id| map.point(id).is_some_and(|p| stereo_observations(map, p) >= min_observations))
+                .count()
+        });
+        let close_depth = self.params.tracking.close_depth_m as f32;
+        let mut tracked = vec![false; frame.len()];
+        for &(feature, _) in &local.matches {
+            tracked[feature as usize] = true;
+        }
+        let close = |wanted: bool| {
+            (0..frame.len()).filter(|&i| frame.depth[i] < close_depth && tracked[i] == wanted).count()
+        };
+        decide(&Counts {
+            frames_since_keyframe: frame.index.saturating_sub(self.last_keyframe_index),
+            max_gap: self.params.tracking.max_keyframe_gap,
+            mapper_idle,
+            n_keyframes,
+            reference_points,
+            inliers: local.matches.len(),
+            close_tracked: close(true),
+            close_untracked: close(false),
+            ratio: self.params.tracking.keyframe_ratio,
+        })
+    }
+}
+
+/// Observations of a point, a stereo observation counting twice.
+pub(crate) fn stereo_observations(map: &Map, point: &map::MapPoint) -> usize {
+    point
+        .observations()
+        .iter()
+        .filter_map(|o| map.keyframe(o.keyframe).map(|kf| 1 + usize::from(kf.frame.has_depth(o.feature as usize))))
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const QUIET: Counts = Counts {
+        frames_since_keyframe: 3,
+        max_gap: 10,
+        mapper_idle: false,
+        n_keyframes: 5,
+        reference_points: 400,
+        inliers: 350,
+        close_tracked: 200,
+        close_untracked: 200,
+        ratio: 0.75,
+    };
+
+    #[test]
+    fn a_well_tracked_frame_is_no_keyframe() {
+        assert_eq!(decide(&QUIET), None);
+        assert_eq!(decide(&Counts { mapper_idle: true, frames_since_keyframe: 10, ..QUIET }), None);
+    }
+
+    #[test]
+    fn few_shared_points_wait_for_the_mapper_or_the_gap() {
+        let few = Counts { inliers: 299, ..QUIET };
+        assert_eq!(decide(&few), None);
+        assert_eq!(decide(&Counts { mapper_idle: true, ..few }), Some(KeyframeReason::FewShared));
+        assert_eq!(decide(&Counts { frames_since_keyframe: 10, ..few }), Some(KeyframeReason::FewShared));
+        assert_eq!(decide(&Counts { inliers: 300, mapper_idle: true, ..few }), None);
+    }
+
+    #[test]
+    fn weak_tracking_waits_for_nobody() {
+        assert_eq!(decide(&Counts { inliers: 99, ..QUIET }), Some(KeyframeReason::FewShared));
+        assert_eq!(decide(&Counts { close_tracked: 99, close_untracked: 71, ..QUIET }), Some(KeyframeReason::FewClose));
+        assert_eq!(decide(&Counts { close_tracked: 99, close_untracked: 70, ..QUIET }), None);
+        assert_eq!(decide(&Counts { close_tracked: 100, close_untracked: 71, ..QUIET }), None);
+    }
+
+    #[test]
+    fn too_few_inliers_are_not_worth_a_keyframe() {
+        assert_eq!(decide(&Counts { inliers: 15, ..QUIET }), None);
+        assert_eq!(decide(&Counts { inliers: 16, ..QUIET }), Some(KeyframeReason::FewShared));
+    }
+
+    #[test]
+    fn a_map_of_one_keyframe_is_content_with_less() {
+        let young = Counts { n_keyframes: 1, mapper_idle: true, ..QUIET };
+        assert_eq!(decide(&Counts { inliers: 160, ..young }), None);
+        assert_eq!(decide(&Counts { inliers: 159, ..young }), Some(KeyframeReason::FewShared));
+    }
+}

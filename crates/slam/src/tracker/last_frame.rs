@@ -1,0 +1,75 @@
+//! The last tracked frame, as the tracker remembers it: relative to a keyframe, so that corrections move it along.
+
+use std::sync::Arc;
+
+use features::Frame;
+use geometry::SE3;
+use map::{KeyframeId, Map, PointId};
+
+/// A tracked frame with its matches.
+#[derive(Clone, Debug)]
+pub(crate) struct LastFrame {
+    pub(crate) frame: Arc<Frame>,
+    /// The keyframe that the pose refers to.
+    pub(crate) reference: KeyframeId,
+    pub(crate) cam_from_reference: SE3,
+    /// Matches of features with map points, sorted by feature.
+    pub(crate) matches: Vec<(u32, PointId)>,
+}
+
+impl LastFrame {
+    pub(crate) fn new(
+        frame: Arc<Frame>,
+        reference: KeyframeId,
+        cam_from_reference: SE3,
+        matches: &[(u32, PointId)],
+    ) -> Self {
+        LastFrame { frame, reference, cam_from_reference, matches: matches.to_vec() }
+    }
+
+    /// The frame that becomes the first keyframe of a map.
+    pub(crate) fn first(frame: Arc<Frame>) -> Self {
+        LastFrame { frame, reference: KeyframeId(0), cam_from_reference: SE3::identity(), matches: Vec::new() }
+    }
+
+    /// Pose in the world of `map`.
+    pub(crate) fn cam_from_world(&self, map: &Map) -> SE3 {
+        match map.resolve_keyframe(self.reference) {
+            Some((alive, removed_from_alive)) => {
+                let alive_from_world = map.keyframe(alive).map_or(SE3::identity(), |kf| kf.cam_from_world);
+                self.cam_from_reference * removed_from_alive * alive_from_world
+            }
+            None => self.cam_from_reference,
+        }
+    }
+
+    /// Follows what happened in the map since: removed keyframes, merged and removed points, and the frame itself
+    /// having become a keyframe with new points.
+    pub(crate) fn refreshed(mut self, map: &Map) -> Self {
+        if let Some(keyframe) =
+            map.newest_keyframe().and_then(|id| map.keyframe(id)).filter(|kf| kf.frame.index == self.frame.index)
+        {
+            self.reference = keyframe.id;
+            self.cam_from_reference = SE3::identity();
+            self.matches = keyframe
+                .points()
+                .iter()
+                .enumerate()
+                .filter_map(|(feature, point)| point.map(|point| (feature as u32, point)))
+                .collect();
+            return self;
+        }
+        if let Some((alive, removed_from_alive)) = map.resolve_keyframe(self.reference)
+            && alive != self.reference
+        {
+            self.reference = alive;
+            self.cam_from_reference = self.cam_from_reference * removed_from_alive;
+        }
+        self.matches = self
+            .matches
+            .iter()
+            .filter_map(|&(feature, point)| map.resolve(point).map(|point| (feature, point)))
+            .collect();
+        self
+    }
+}

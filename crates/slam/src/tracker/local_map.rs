@@ -1,0 +1,227 @@
+//! The local map: keyframes that share points with the frame, their points searched by projection, the final pose.
+
+use std::collections::BTreeMap;
+
+use features::{Frame, ProjectionQuery, search_windows};
+use geometry::SE3;
+use map::{Keyframe, KeyframeId, Map, PointCount, PointId};
+use rayon::prelude::*;
+
+use super::pose::refine;
+use super::predict::{MAX_DISTANCE_WIDE, Prediction};
+use crate::assign::one_to_one;
+use crate::params::TrackingParams;
+use crate::visibility::{Projection, project_visible};
+
+/// Best over second-best distance, asked for when both are on the same octave.
+const MAX_RATIO: f32 = 0.8;
+/// Search windows for points seen head-on and at an angle, pixels at octave 0.
+const RADIUS_HEAD_ON_PX: f32 = 2.5;
+const RADIUS_OBLIQUE_PX: f32 = 4.0;
+/// Cosine of the viewing angle that counts as head-on.
+const HEAD_ON_COS: f64 = 0.998;
+/// Windows after a prediction without motion model are this much wider.
+const WIDENING_WITHOUT_MOTION: f32 = 5.0;
+/// Covisible keyframes that each voter may add one of.
+const COVISIBLE_TRIED: usize = 10;
+
+/// The part of the map around a frame.
+#[derive(Clone, Debug)]
+pub(crate) struct LocalMap {
+    /// The keyframe that shares most points with the frame.
+    reference: KeyframeId,
+    /// Points of the local keyframes, sorted, each once.
+    points: Vec<PointId>,
+}
+
+/// A frame tracked in the local map.
+#[derive(Clone, Debug)]
+pub(crate) struct LocallyTracked {
+    pub(crate) cam_from_world: SE3,
+    pub(crate) reference: KeyframeId,
+    pub(crate) cam_from_reference: SE3,
+    /// Inlier matches, sorted by feature.
+    pub(crate) matches: Vec<(u32, PointId)>,
+    pub(crate) n_matches: usize,
+    pub(crate) n_points: usize,
+    pub(crate) counts: Vec<PointCount>,
+}
+
+impl LocalMap {
+    /// Every match votes for the keyframes that see its point; voters and some of their neighbours give the points.
+    pub(crate) fn gather(
+        map: &Map,
+        matches: &[(u32, PointId)],
+        fallback: KeyframeId,
+        params: &TrackingParams,
+    ) -> Self {
+        let mut votes: BTreeMap<KeyframeId, u32> = BTreeMap::new();
+        for point in matches.iter().filter_map(|&(_, id)| map.point(id)) {
+            for observation in point.observations() {
+                *votes.entry(observation.keyframe).or_insert(0) += 1;
+            }
+        }
+        // Most votes; ties go to the older keyframe.
+        let reference = votes
+            .iter()
+            .max_by_key(|&(&id, &count)| (count, std::cmp::Reverse(id)))
+            .map_or(fallback, |(&id, _)| id);
+        let mut voters: Vec<(KeyframeId, u32)> = votes.into_iter().collect();
+        voters.sort_by_key(|&(id, count)| (std::cmp::Reverse(count), id));
+        let mut keyframes: Vec<KeyframeId> = voters.iter().map(|&(id, _)| id).collect();
+        keyframes.truncate(params.max_local_keyframes);
+        extend_with_neighbours(map, &mut keyframes, params.max_local_keyframes);
+        let mut points: Vec<PointId> = keyframes
+            .iter()
+            .filter_map(|&id| map.keyframe(id))
+            .flat_map(|kf| kf.points().iter().flatten().copied())
+            .collect();
+        points.sort_unstable();
+        points.dedup();
+        LocalMap { reference, points }
+    }
+
+    /// Searches the points that the frame does not have yet and optimises the pose with all matches.
+    pub(crate) fn track(
+        &self,
+        frame: &Frame,
+        map: &Map,
+        predicted: &Prediction,
+        params: &TrackingParams,
+    ) -> LocallyTracked {
+        let visible = self.visible(frame, map, &predicted.cam_from_world, &predicted.matches);
+        let widening = if predicted.without_motion_model { WIDENING_WITHOUT_MOTION } else { 1.0 };
+        let found = search(frame, map, &visible, &predicted.matches, params.local_radius_factor.max(widening));
+        let mut matches = predicted.matches.clone();
+        matches.extend(found);
+        matches.sort_unstable();
+        let refined = refine(frame, map, predicted.cam_from_world, &matches);
+        let reference_from_world =
+            map.keyframe(self.reference).map_or(SE3::identity(), |kf| kf.cam_from_world);
+        LocallyTracked {
+            cam_from_world: refined.cam_from_world,
+            reference: self.reference,
+            cam_from_reference: (refined.cam_from_world * reference_from_world.inverse()).normalized(),
+            counts: count(&visible, &predicted.matches, &refined.inliers),
+            n_matches: matches.len(),
+            n_points: self.points.len(),
+            matches: refined.inliers,
+        }
+    }
+
+    /// The local points that the frame should see and that are not matched yet.
+    fn visible(
+        &self,
+        frame: &Frame,
+        map: &Map,
+        cam_from_world: &SE3,
+        matched: &[(u32, PointId)],
+    ) -> Vec<(PointId, Projection)> {
+        let mut taken: Vec<PointId> = matched.iter().map(|&(_, id)| id).collect();
+        taken.sort_unstable();
+        let center = cam_from_world.center();
+        self.points
+            .par_iter()
+            .with_min_len(256)
+            .filter_map(|&id| {
+                if taken.binary_search(&id).is_ok() {
+                    return None;
+                }
+                let point = map.point(id)?;
+                project_visible(frame, cam_from_world, &center, point).map(|projection| (id, projection))
+            })
+            .collect()
+    }
+}
+
+/// For each voter the first unused among its best covisible keyframes, one child, and its parent.
+fn extend_with_neighbours(map: &Map, keyframes: &mut Vec<KeyframeId>, max: usize) {
+    let mut used = keyframes.clone();
+    used.sort_unstable();
+    let voters = keyframes.clone();
+    let mut add = |keyframes: &mut Vec<KeyframeId>, id: KeyframeId| match used.binary_search(&id) {
+        Ok(_) => false,
+        Err(at) => {
+            used.insert(at, id);
+            keyframes.push(id);
+            true
+        }
+    };
+    for keyframe in voters.iter().filter_map(|&id| map.keyframe(id)) {
+        if keyframes.len() >= max {
+            return;
+        }
+        for id in neighbours(keyframe) {
+            if add(keyframes, id) {
+                break;
+            }
+        }
+        for &child in keyframe.children() {
+            if add(keyframes, child) {
+                break;
+            }
+        }
+        if let Some(parent) = keyframe.parent() {
+            add(keyframes, parent);
+        }
+    }
+}
+
+fn neighbours(keyframe: &Keyframe) -> Vec<KeyframeId> {
+    keyframe.best_covisible(COVISIBLE_TRIED)
+}
+
+/// Matches of visible points with features that have none yet.
+fn search(
+    frame: &Frame,
+    map: &Map,
+    visible: &[(PointId, Projection)],
+    matched: &[(u32, PointId)],
+    radius_factor: f32,
+) -> Vec<(u32, PointId)> {
+    let mut free = vec![true; frame.len()];
+    for &(feature, _) in matched {
+        free[feature as usize] = false;
+    }
+    let queries: Vec<ProjectionQuery> = visible
+        .iter()
+        .filter_map(|(id, projection)| {
+            let radius = if projection.view_cos > HEAD_ON_COS { RADIUS_HEAD_ON_PX } else { RADIUS_OBLIQUE_PX };
+            let scale = frame.scales.scales[projection.octave as usize];
+            map.point(*id).map(|point| ProjectionQuery {
+                x: projection.u as f32,
+                y: projection.v as f32,
+                right_u: projection.right_u as f32,
+                radius_px: radius * radius_factor * scale,
+                min_octave: projection.octave.saturating_sub(1),
+                max_octave: projection.octave,
+                descriptor: point.descriptor,
+            })
+        })
+        .collect();
+    let finds = search_windows(frame, &queries, &free);
+    let accept = |find: &features::WindowMatch| {
+        let ambiguous = find.second.is_some_and(|second| {
+            second.octave == find.best.octave && find.best.distance as f32 > MAX_RATIO * second.distance as f32
+        });
+        find.best.distance <= MAX_DISTANCE_WIDE && !ambiguous
+    };
+    one_to_one(&finds, frame.len(), |_, find| accept(find))
+        .into_iter()
+        .map(|(feature, query)| (feature, visible[query].0))
+        .collect()
+}
+
+/// Statistics of the frame: matched and visible points were to be seen, inliers were found.
+fn count(
+    visible: &[(PointId, Projection)],
+    matched: &[(u32, PointId)],
+    inliers: &[(u32, PointId)],
+) -> Vec<PointCount> {
+    let mut counts: BTreeMap<PointId, u32> = visible.iter().map(|&(id, _)| (id, 0)).collect();
+    counts.extend(matched.iter().map(|&(_, id)| (id, 0)));
+    for &(_, id) in inliers {
+        counts.insert(id, 1);
+    }
+    counts.into_iter().map(|(point, found)| PointCount { point, seen: 1, found }).collect()
+}
