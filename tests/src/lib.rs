@@ -1,1 +1,1 @@
-//! End-to-end, replay, golden and architecture tests; benchmarks.
+//! End-to-end, replay, golden and architecture tests (`tests/suite`) and benchmarks (`benches`); there is no library here.

@@ -1,0 +1,150 @@
+//! The command line: parsed without side effects, resolved by the commands.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::help;
+
+/// Visual SLAM: images in, trajectory and map out.
+///
+/// Estimates the path of a camera (stereo, RGB-D) and a map of what it saw.
+#[derive(Debug, Parser)]
+#[command(name = "dsslam", version, arg_required_else_help = true, after_help = help::top(), max_term_width = 110)]
+pub(crate) struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Runs SLAM on a sequence of images.
+    #[command(after_help = help::run())]
+    Run(RunArgs),
+    /// Renders a street course, runs SLAM on it, prints the errors and draws the trajectory. Needs no data.
+    #[command(after_help = help::demo())]
+    Demo(DemoArgs),
+    /// Renders a street course with exact ground truth as a dataset in KITTI's layout.
+    #[command(after_help = help::synth())]
+    Synth(SynthArgs),
+    /// Evaluates trajectories against ground truth, as tables and plots.
+    Eval(eval::command::EvalCommand),
+    /// Prints the default configuration, or checks a configuration file.
+    #[command(after_help = help::config())]
+    Config(ConfigArgs),
+}
+
+/// Arguments of `dsslam run`.
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// Folder of the sequence, in KITTI's odometry or TUM's RGB-D layout.
+    #[arg(value_name = "SEQUENCE")]
+    pub(crate) sequence: PathBuf,
+    /// Configuration file (YAML); what it leaves out has its default.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// How to use the images; by default what the folder holds.
+    #[arg(long, value_enum)]
+    pub(crate) sensor: Option<SensorArg>,
+    /// Overrides one key of the configuration; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) overrides: Vec<String>,
+    /// Writes the results into this folder instead of results/<sequence>/<time>.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Stops after this many frames.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) max_frames: Option<u32>,
+}
+
+/// How the images of a sequence are used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SensorArg {
+    /// Two rectified cameras.
+    Stereo,
+    /// A camera and registered depth images.
+    Rgbd,
+    /// One camera; scale unknown.
+    Mono,
+}
+
+impl From<SensorArg> for io::Sensor {
+    fn from(sensor: SensorArg) -> Self {
+        match sensor {
+            SensorArg::Stereo => io::Sensor::Stereo,
+            SensorArg::Rgbd => io::Sensor::Rgbd,
+            SensorArg::Mono => io::Sensor::Mono,
+        }
+    }
+}
+
+/// Arguments of `dsslam demo`.
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// The course that is rendered.
+    #[command(flatten)]
+    pub(crate) world: WorldArgs,
+    /// Overrides one key of the configuration; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) overrides: Vec<String>,
+    /// Writes the results into this folder instead of results/<preset>/<time>.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+/// Arguments of `dsslam synth`.
+#[derive(Debug, Args)]
+pub(crate) struct SynthArgs {
+    /// Folder to write: image_0, image_1, calib.txt, times.txt, poses.txt and more.
+    #[arg(value_name = "OUT")]
+    pub(crate) out: PathBuf,
+    /// The course that is rendered.
+    #[command(flatten)]
+    pub(crate) world: WorldArgs,
+}
+
+/// Which world is rendered and how far the camera drives.
+#[derive(Debug, Args)]
+pub(crate) struct WorldArgs {
+    /// Kind of world.
+    #[arg(long, value_enum, default_value_t = PresetArg::Town)]
+    pub(crate) preset: PresetArg,
+    /// Number of stereo frames; by default all of the rounds.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) frames: Option<u32>,
+    /// How often the closed course is driven.
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) rounds: Option<u32>,
+    /// Seed of the world: equal seeds give equal images.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+}
+
+/// The worlds that can be rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PresetArg {
+    /// A closed course of streets between houses, with trees, poles, parked and moving cars.
+    Town,
+}
+
+/// Arguments of `dsslam config`.
+#[derive(Debug, Args)]
+pub(crate) struct ConfigArgs {
+    /// What to do with the configuration.
+    #[command(subcommand)]
+    pub(crate) action: ConfigAction,
+}
+
+/// What `dsslam config` can do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ConfigAction {
+    /// Prints the complete default configuration as YAML.
+    Default,
+    /// Checks a configuration file and prints the complete configuration that it gives.
+    Check {
+        /// The file to check.
+        file: PathBuf,
+    },
+}

@@ -1,0 +1,93 @@
+//! Exit codes, and errors that carry theirs.
+
+use std::fmt;
+
+/// What the program tells the shell. A panic (101) is a bug and not among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// The command did what it was asked for.
+    Done,
+    /// The run came to its end, but without a single pose.
+    Unusable,
+    /// Wrong arguments, a wrong configuration or a dataset that cannot be used: nothing was run.
+    Input,
+    /// Results could not be written.
+    Output,
+    /// Ended by Ctrl-C (or SIGTERM); what there was has been written.
+    Interrupted,
+}
+
+/// The table of exit codes as `--help` shows it.
+pub(crate) const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  1    the run ended without a usable result (never initialised, no pose)
+  2    wrong arguments, configuration or dataset; nothing was run
+  3    the results cannot be written
+  130  interrupted (Ctrl-C, SIGTERM); what there was has been written";
+
+impl Exit {
+    /// The number for the shell.
+    pub(crate) fn code(self) -> u8 {
+        match self {
+            Exit::Done => 0,
+            Exit::Unusable => 1,
+            Exit::Input => 2,
+            Exit::Output => 3,
+            Exit::Interrupted => 130,
+        }
+    }
+}
+
+/// An error together with the exit code that it ends the program with.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    /// The code for the shell.
+    pub(crate) exit: Exit,
+    /// What went wrong, with its causes.
+    pub(crate) error: anyhow::Error,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:#}", self.error)
+    }
+}
+
+/// Gives an error its exit code.
+pub(crate) trait OrExit<T> {
+    /// The input is at fault: code 2.
+    fn or_input(self) -> Result<T, Failure>;
+    /// The output is at fault: code 3.
+    fn or_output(self) -> Result<T, Failure>;
+}
+
+impl<T, E: Into<anyhow::Error>> OrExit<T> for Result<T, E> {
+    fn or_input(self) -> Result<T, Failure> {
+        self.map_err(|error| Failure { exit: Exit::Input, error: error.into() })
+    }
+
+    fn or_output(self) -> Result<T, Failure> {
+        self.map_err(|error| Failure { exit: Exit::Output, error: error.into() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::{Context, anyhow};
+
+    #[test]
+    fn a_failure_prints_its_causes_on_one_line() {
+        let failure = Err::<(), _>(anyhow!("no space left")).context("summary.json").or_output().unwrap_err();
+        assert_eq!(failure.to_string(), "summary.json: no space left");
+        assert_eq!(failure.exit.code(), 3);
+    }
+
+    #[test]
+    fn the_help_names_every_code() {
+        for exit in [Exit::Done, Exit::Unusable, Exit::Input, Exit::Output, Exit::Interrupted] {
+            assert!(EXIT_CODES.contains(&format!("\n  {:<4} ", exit.code())), "{exit:?}");
+        }
+    }
+}

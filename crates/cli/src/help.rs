@@ -1,0 +1,66 @@
+//! What `--help` says below the options: examples that work as they stand, and the exit codes.
+
+use crate::exit::EXIT_CODES;
+
+/// Below `dsslam --help`.
+pub(crate) fn top() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam demo                             render a town and drive through it; needs no data
+  dsslam run path/to/sequence             run on a KITTI or TUM RGB-D folder
+  dsslam help run                         all options of a run",
+    )
+}
+
+/// Below `dsslam run --help`.
+pub(crate) fn run() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam run kitti/sequences/06 --config configs/kitti.yaml
+  dsslam run kitti/sequences/06 --set features.keep=500 --max-frames 200
+  dsslam run rgbd_dataset_freiburg1_desk --config configs/tum-rgbd.yaml --out /tmp/desk
+
+Layouts:
+  KITTI odometry   calib.txt, times.txt, image_0 and image_1 (or image_2 and image_3), poses.txt if there
+  TUM RGB-D        rgb.txt, depth.txt, groundtruth.txt if there; the camera comes from the configuration
+
+Results (see README.md): trajectory.kitti.txt, trajectory.tum.txt, trajectory.png, config.yaml, timings.csv,
+summary.json; results/latest points to the newest run.",
+    )
+}
+
+/// Below `dsslam demo --help`.
+pub(crate) fn demo() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam demo
+  dsslam demo --frames 60 --out /tmp/demo",
+    )
+}
+
+/// Below `dsslam synth --help`.
+pub(crate) fn synth() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam synth /tmp/town --preset town --frames 60
+  dsslam run /tmp/town",
+    )
+}
+
+/// Below `dsslam config --help`.
+pub(crate) fn config() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam config default > my.yaml
+  dsslam config check my.yaml",
+    )
+}
+
+fn with_codes(examples: &str) -> String {
+    format!("{examples}\n\n{EXIT_CODES}")
+}

@@ -1,0 +1,145 @@
+//! The results folder: made and checked before the work starts, each file written whole or not at all.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+
+use crate::clock;
+
+/// The folder that collects runs when `--out` is absent.
+const RESULTS: &str = "results";
+
+/// A folder that has been found writable.
+#[derive(Debug)]
+pub(crate) struct ResultsFolder {
+    path: PathBuf,
+    /// `<sequence>/<time>` when the folder lies in `results/` and `results/latest` should show it.
+    latest: Option<PathBuf>,
+}
+
+impl ResultsFolder {
+    /// Exactly `out`, or a new folder `results/<sequence>/<time>` below `parent`.
+    ///
+    /// # Errors
+    /// When the folder cannot be made or a file in it cannot be written.
+    pub(crate) fn create(out: Option<&Path>, parent: &Path, sequence: &str) -> Result<Self> {
+        let folder = match out {
+            Some(out) => Self { path: out.to_owned(), latest: None },
+            None => {
+                let latest = new_subfolder(&parent.join(RESULTS), &safe_name(sequence))?;
+                Self { path: parent.join(RESULTS).join(&latest), latest: Some(latest) }
+            }
+        };
+        io::create_output_folder(&folder.path)?;
+        Ok(folder)
+    }
+
+    /// Where the files go.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The path of a file in the folder.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Writes a file whole or not at all.
+    ///
+    /// # Errors
+    /// When the file cannot be written; an older file of that name is then untouched.
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        Ok(io::write_atomic(&self.file(name), bytes)?)
+    }
+
+    /// Points `results/latest` at this folder. A folder given by `--out` leaves the link alone.
+    ///
+    /// # Errors
+    /// When the link cannot be made.
+    pub(crate) fn link_latest(&self) -> Result<()> {
+        let Some(target) = &self.latest else { return Ok(()) };
+        let Some(results) = self.path.ancestors().nth(2) else { return Ok(()) };
+        let (link, part) = (results.join("latest"), results.join(".latest.part"));
+        let _ = fs::remove_file(&part);
+        std::os::unix::fs::symlink(target, &part)
+            .and_then(|()| fs::rename(&part, &link))
+            .with_context(|| format!("{}: cannot be made", link.display()))
+    }
+}
+
+fn cannot_write(folder: &Path) -> String {
+    format!("{}: cannot be written", folder.display())
+}
+
+/// Makes `results/<sequence>/<time>`; a second run within the same second gets a number. Returns the part below `results`.
+fn new_subfolder(results: &Path, sequence: &str) -> Result<PathBuf> {
+    let parent = results.join(sequence);
+    fs::create_dir_all(&parent).with_context(|| cannot_write(&parent))?;
+    let stamp = clock::utc_stamp();
+    for attempt in 1..1000 {
+        let name = if attempt == 1 { stamp.clone() } else { format!("{stamp}-{attempt}") };
+        match fs::create_dir(parent.join(&name)) {
+            Ok(()) => return Ok(Path::new(sequence).join(name)),
+            Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
+            Err(e) => return Err(e).with_context(|| cannot_write(&parent.join(&name))),
+        }
+    }
+    bail!("{}: a thousand runs in one second", parent.display())
+}
+
+/// A sequence's name as a folder name.
+fn safe_name(sequence: &str) -> String {
+    let safe = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    let name: String = sequence.chars().map(safe).collect();
+    if name.trim_matches('.').is_empty() || name == "latest" { format!("sequence_{}", name.replace('.', "")) } else { name }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_out_the_folder_is_new_and_latest_shows_the_newest() {
+        let parent = tempfile::tempdir().unwrap();
+        for content in ["first", "second"] {
+            let folder = ResultsFolder::create(None, parent.path(), "town").unwrap();
+            folder.write("a.txt", content.as_bytes()).unwrap();
+            folder.link_latest().unwrap();
+            let latest = parent.path().join("results/latest");
+            assert_eq!(fs::read_to_string(latest.join("a.txt")).unwrap(), content);
+            assert_eq!(latest.canonicalize().unwrap(), folder.path().canonicalize().unwrap());
+        }
+        assert_eq!(fs::read_dir(parent.path().join("results/town")).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn out_is_taken_exactly_and_files_are_replaced_whole() {
+        let parent = tempfile::tempdir().unwrap();
+        let out = parent.path().join("a/b");
+        let folder = ResultsFolder::create(Some(&out), parent.path(), "town").unwrap();
+        folder.write("a.txt", b"old").unwrap();
+        folder.write("a.txt", b"new").unwrap();
+        assert_eq!(fs::read(out.join("a.txt")).unwrap(), b"new");
+        folder.link_latest().unwrap();
+        assert_eq!(fs::read_dir(&out).unwrap().count(), 1, "no part file and no probe is left");
+        assert!(!parent.path().join("results").exists());
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_named() {
+        let parent = tempfile::tempdir().unwrap();
+        let out = parent.path().join("file");
+        fs::write(&out, b"").unwrap();
+        let error = ResultsFolder::create(Some(&out), parent.path(), "town").unwrap_err();
+        assert!(format!("{error:#}").starts_with(&format!("{}: cannot be written: ", out.display())));
+    }
+
+    #[test]
+    fn names_become_folder_names() {
+        for (name, expected) in [("kitti/06", "kitti_06"), ("..", "sequence_"), ("latest", "sequence_latest"), ("a b", "a_b")] {
+            assert_eq!(safe_name(name), expected);
+        }
+    }
+}
