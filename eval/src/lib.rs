@@ -1,1 +1,24 @@
-//! Metrics, tables and plots of trajectories.
+//! Metrics, tables and plots of trajectories: by what this field judges a run, computed to the letter of its definitions.
+//!
+//! Start reading at [`kitti_drift`] (t_rel, r_rel) and [`ate()`](fn@ate); [`associate`] brings two files together.
+//! Poses are `world_from_cam`, lengths metres.
+
+pub mod alignment;
+pub mod association;
+pub mod ate;
+pub mod coverage;
+pub mod drift;
+pub mod plot;
+pub mod read;
+pub mod statistics;
+mod umeyama;
+
+pub use alignment::{Alignment, apply_alignment, estimate_alignment, positions};
+pub use association::{Association, Pairs, TIMESTAMP_TOLERANCE_S, associate};
+pub use ate::{AteReport, ate};
+pub use coverage::{Coverage, fill_lost};
+pub use drift::{
+    Drift, DriftBin, DriftOfSequences, KITTI_LENGTHS_M, Segment, kitti_drift, kitti_drift_sparse, pool_drift,
+};
+pub use read::{Format, TrajectoryFile, read_trajectory_file};
+pub use statistics::Statistics;

@@ -1,0 +1,63 @@
+//! Absolute trajectory error: distance between estimated and true positions after alignment (metrics.md, section 2).
+
+use anyhow::{Result, anyhow};
+use geometry::{SE3, Sim3};
+
+use crate::alignment::{Alignment, apply_alignment, estimate_alignment};
+use crate::statistics::Statistics;
+
+/// Absolute trajectory error in metres.
+#[derive(Clone, Debug)]
+pub struct AteReport {
+    /// Root mean square over all matched poses, metres: the figure that papers call ATE.
+    pub rmse: f64,
+    /// Mean, metres.
+    pub mean: f64,
+    /// Median, metres.
+    pub median: f64,
+    /// Standard deviation of the population, metres.
+    pub std: f64,
+    /// Smallest error, metres.
+    pub min: f64,
+    /// Largest error, metres.
+    pub max: f64,
+    /// Number of poses compared.
+    pub n: usize,
+    /// What was aligned first.
+    pub alignment: Alignment,
+    /// The alignment found: ground-truth world from estimate's world.
+    pub gt_from_est: Sim3,
+    /// Error of each pose in order, metres.
+    pub errors: Vec<f64>,
+}
+
+impl AteReport {
+    /// The poses `est` in the ground truth's world frame.
+    pub fn aligned(&self, est: &[SE3]) -> Vec<SE3> {
+        apply_alignment(&self.gt_from_est, est)
+    }
+}
+
+/// Absolute trajectory error of matched poses `world_from_cam`.
+///
+/// # Errors
+/// Different lengths, no poses, or an alignment that the positions do not determine.
+pub fn ate(est: &[SE3], gt: &[SE3], alignment: Alignment) -> Result<AteReport> {
+    let gt_from_est = estimate_alignment(est, gt, alignment)?;
+    let aligned = apply_alignment(&gt_from_est, est);
+    let errors: Vec<f64> =
+        aligned.iter().zip(gt).map(|(e, g)| (e.translation - g.translation).norm()).collect();
+    let s = Statistics::of(&errors).ok_or_else(|| anyhow!("no poses to compare"))?;
+    Ok(AteReport {
+        rmse: s.rmse,
+        mean: s.mean,
+        median: s.median,
+        std: s.std,
+        min: s.min,
+        max: s.max,
+        n: s.n,
+        alignment,
+        gt_from_est,
+        errors,
+    })
+}

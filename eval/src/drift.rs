@@ -1,0 +1,233 @@
+//! KITTI odometry drift, t_rel and r_rel: the definition of the official devkit (metrics.md, section 1).
+
+use anyhow::{Result, ensure};
+use geometry::SE3;
+use nalgebra::Matrix4;
+
+use crate::alignment::check_matched;
+use crate::statistics::Statistics;
+
+/// Segment lengths of the KITTI odometry benchmark, metres.
+pub const KITTI_LENGTHS_M: [f64; 8] = [100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0];
+/// A segment starts at every tenth frame.
+const START_STEP: usize = 10;
+
+/// Drift over one segment of the ground truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Index of the first frame.
+    pub first: usize,
+    /// Index of the last frame.
+    pub last: usize,
+    /// Nominal length, metres.
+    pub length_m: f64,
+    /// Translation error divided by the nominal length (no unit).
+    pub t_err: f64,
+    /// Rotation error divided by the nominal length, rad/m.
+    pub r_err: f64,
+}
+
+/// Mean drift of the segments of one length, or of one range of speeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriftBin {
+    /// Segment length in metres, or speed in km/h (middle of the range).
+    pub at: f64,
+    /// Number of segments.
+    pub n: usize,
+    /// Mean translation error, percent.
+    pub t_rel_percent: f64,
+    /// Mean rotation error, degrees per 100 m.
+    pub r_rel_deg_per_100m: f64,
+}
+
+/// Drift of one sequence.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drift {
+    /// Mean translation error of all segments, percent; `None` when no segment is long enough.
+    pub t_rel_percent: Option<f64>,
+    /// Mean rotation error of all segments, degrees per 100 m.
+    pub r_rel_deg_per_100m: Option<f64>,
+    /// Root mean square of the translation errors, percent.
+    pub rms: Option<f64>,
+    /// Standard deviation (population) of the translation errors, percent.
+    pub std: Option<f64>,
+    /// Mean per segment length, lengths without a segment left out.
+    pub per_length: Vec<DriftBin>,
+    /// Number of segments.
+    pub n_segments: usize,
+    /// Segments left out because the estimate lacks a pose at one of their ends.
+    pub n_without_estimate: usize,
+    /// All segments: by start frame, then length.
+    pub segments: Vec<Segment>,
+}
+
+impl Drift {
+    /// Summary of `segments`.
+    pub fn from_segments(segments: Vec<Segment>, n_without_estimate: usize) -> Drift {
+        let t_percent: Vec<f64> = segments.iter().map(|s| s.t_err * 100.0).collect();
+        let stats = Statistics::of(&t_percent);
+        let mut lengths: Vec<f64> = segments.iter().map(|s| s.length_m).collect();
+        lengths.sort_by(f64::total_cmp);
+        lengths.dedup();
+        Drift {
+            t_rel_percent: stats.map(|s| s.mean),
+            r_rel_deg_per_100m: mean_r_rel(&segments),
+            rms: stats.map(|s| s.rmse),
+            std: stats.map(|s| s.std),
+            per_length: lengths.iter().filter_map(|&l| bin(&segments, l, |s| s.length_m == l)).collect(),
+            n_segments: segments.len(),
+            n_without_estimate,
+            segments,
+        }
+    }
+
+    /// Mean drift per range of speeds, `width_kmh` wide; the speed of a segment is its nominal length over the
+    /// time between its end frames at `frame_rate_hz` (KITTI: 10).
+    pub fn per_speed(&self, frame_rate_hz: f64, width_kmh: f64) -> Vec<DriftBin> {
+        let range_of = |s: &Segment| {
+            let seconds = (s.last - s.first) as f64 / frame_rate_hz;
+            (s.length_m / seconds * 3.6 / width_kmh).floor()
+        };
+        let mut ranges: Vec<f64> = self.segments.iter().map(range_of).collect();
+        ranges.sort_by(f64::total_cmp);
+        ranges.dedup();
+        let middle = |range: f64| (range + 0.5) * width_kmh;
+        ranges
+            .iter()
+            .filter_map(|&range| bin(&self.segments, middle(range), |s| range_of(s) == range))
+            .collect()
+    }
+}
+
+/// Drift of several sequences: the benchmark pools their segments, papers often take the mean of the sequences.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriftOfSequences {
+    /// Mean over all segments of all sequences, percent.
+    pub pooled_t_rel_percent: Option<f64>,
+    /// Mean over all segments of all sequences, degrees per 100 m.
+    pub pooled_r_rel_deg_per_100m: Option<f64>,
+    /// Mean of the sequences' figures, percent.
+    pub mean_t_rel_percent: Option<f64>,
+    /// Mean of the sequences' figures, degrees per 100 m.
+    pub mean_r_rel_deg_per_100m: Option<f64>,
+    /// Sequences with at least one segment.
+    pub n_sequences: usize,
+}
+
+/// Pooled and mean drift of `sequences`.
+pub fn pool_drift(sequences: &[&Drift]) -> DriftOfSequences {
+    let all: Vec<Segment> = sequences.iter().flat_map(|d| d.segments.iter().copied()).collect();
+    let pooled = Drift::from_segments(all, 0);
+    let t: Vec<f64> = sequences.iter().filter_map(|d| d.t_rel_percent).collect();
+    let r: Vec<f64> = sequences.iter().filter_map(|d| d.r_rel_deg_per_100m).collect();
+    DriftOfSequences {
+        pooled_t_rel_percent: pooled.t_rel_percent,
+        pooled_r_rel_deg_per_100m: pooled.r_rel_deg_per_100m,
+        mean_t_rel_percent: Statistics::of(&t).map(|s| s.mean),
+        mean_r_rel_deg_per_100m: Statistics::of(&r).map(|s| s.mean),
+        n_sequences: t.len(),
+    }
+}
+
+/// Drift of a complete estimate: one pose `world_from_cam` per frame of the ground truth, lost frames filled
+/// ([`crate::fill_lost`]). `lengths_m`: [`KITTI_LENGTHS_M`], or shorter ones for short sequences.
+///
+/// # Errors
+/// Different lengths, no poses, or a segment length that is not positive. A sequence too short for every length is
+/// no error: its figures are `None`.
+pub fn kitti_drift(est: &[SE3], gt: &[SE3], lengths_m: &[f64]) -> Result<Drift> {
+    check_matched(est, gt)?;
+    let est: Vec<Option<SE3>> = est.iter().copied().map(Some).collect();
+    kitti_drift_sparse(&est, gt, lengths_m)
+}
+
+/// Drift of an estimate that lacks poses: segments with a missing end are left out and counted.
+///
+/// # Errors
+/// As [`kitti_drift`].
+pub fn kitti_drift_sparse(est: &[Option<SE3>], gt: &[SE3], lengths_m: &[f64]) -> Result<Drift> {
+    ensure!(est.len() == gt.len(), "the estimate has {} frames, the ground truth {}", est.len(), gt.len());
+    for &length in lengths_m {
+        ensure!(length.is_finite() && length > 0.0, "a segment length must be positive, found {length} m");
+    }
+    // Plain 4x4 matrices and their general inverse: files carry 7 digits, so their rotations are not exactly
+    // orthonormal, and the devkit takes them as they are.
+    let gt: Vec<Matrix4<f64>> = gt.iter().map(SE3::matrix).collect();
+    let est: Vec<Option<Matrix4<f64>>> = est.iter().map(|p| p.as_ref().map(SE3::matrix)).collect();
+    let travelled = path_lengths(&gt);
+    let mut segments = Vec::new();
+    let mut n_without_estimate = 0;
+    for first in (0..gt.len()).step_by(START_STEP) {
+        for &length_m in lengths_m {
+            let Some(last) = segment_end(&travelled, first, length_m) else { continue };
+            let (Some(est_first), Some(est_last)) = (&est[first], &est[last]) else {
+                n_without_estimate += 1;
+                continue;
+            };
+            let error = relative(&relative(est_first, est_last)?, &relative(&gt[first], &gt[last])?)?;
+            segments.push(Segment {
+                first,
+                last,
+                length_m,
+                t_err: translation_norm(&error) / length_m,
+                r_err: rotation_angle(&error) / length_m,
+            });
+        }
+    }
+    Ok(Drift::from_segments(segments, n_without_estimate))
+}
+
+/// Path length from the first position to each position, metres.
+pub(crate) fn path_lengths(poses: &[Matrix4<f64>]) -> Vec<f64> {
+    let mut total = 0.0;
+    let mut lengths = Vec::with_capacity(poses.len());
+    for (i, pose) in poses.iter().enumerate() {
+        if i > 0 {
+            let step = pose.fixed_view::<3, 1>(0, 3) - poses[i - 1].fixed_view::<3, 1>(0, 3);
+            total += step.norm();
+        }
+        lengths.push(total);
+    }
+    lengths
+}
+
+/// First frame whose path length exceeds the start's by more than `length_m`.
+fn segment_end(travelled: &[f64], first: usize, length_m: f64) -> Option<usize> {
+    let limit = travelled[first] + length_m;
+    let last = first + travelled[first..].partition_point(|&d| d <= limit);
+    (last < travelled.len()).then_some(last)
+}
+
+/// `a^-1 b` with the general inverse of `a`.
+pub(crate) fn relative(a: &Matrix4<f64>, b: &Matrix4<f64>) -> Result<Matrix4<f64>> {
+    match a.try_inverse() {
+        Some(inverse) => Ok(inverse * b),
+        None => anyhow::bail!("a pose is not a rigid motion: its matrix has no inverse"),
+    }
+}
+
+fn translation_norm(error: &Matrix4<f64>) -> f64 {
+    error.fixed_view::<3, 1>(0, 3).norm()
+}
+
+/// The devkit's angle: acos((trace - 1) / 2), clamped, radians.
+fn rotation_angle(error: &Matrix4<f64>) -> f64 {
+    let trace = error[(0, 0)] + error[(1, 1)] + error[(2, 2)];
+    (0.5 * (trace - 1.0)).clamp(-1.0, 1.0).acos()
+}
+
+fn mean_r_rel(segments: &[Segment]) -> Option<f64> {
+    let r: Vec<f64> = segments.iter().map(|s| s.r_err.to_degrees() * 100.0).collect();
+    Statistics::of(&r).map(|s| s.mean)
+}
+
+fn bin(segments: &[Segment], at: f64, belongs: impl Fn(&Segment) -> bool) -> Option<DriftBin> {
+    let chosen: Vec<Segment> = segments.iter().copied().filter(belongs).collect();
+    let t: Vec<f64> = chosen.iter().map(|s| s.t_err * 100.0).collect();
+    Some(DriftBin {
+        at,
+        n: chosen.len(),
+        t_rel_percent: Statistics::of(&t)?.mean,
+        r_rel_deg_per_100m: mean_r_rel(&chosen)?,
+    })
+}

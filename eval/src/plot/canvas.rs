@@ -1,0 +1,214 @@
+//! Drawing surface of all figures: fonts, colours, sizes, and the way to PNG and SVG.
+//!
+//! Figures are laid out in logical pixels, 800 wide. They are drawn four times as large: the PNG is averaged down to
+//! twice the logical size (anti-aliased lines), the SVG keeps the fine coordinates in its view box.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use anyhow::{Context, Result, ensure};
+use image::RgbImage;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontStyle, register_font};
+
+/// Drawn pixels per logical pixel.
+const UNIT: u32 = 4;
+/// Drawn pixels averaged into one of the PNG, per side.
+const SHRINK: u32 = 2;
+/// DejaVu Sans, so that figures look alike on every machine (licence beside the file).
+static FONT: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
+
+/// Ground truth, axes and text.
+pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
+/// Grid lines.
+pub(crate) const FAINT: RGBColor = RGBColor(225, 225, 225);
+/// Distinguishable with every common colour-vision deficiency (Okabe and Ito 2008), in order of use.
+pub(crate) const PALETTE: [RGBColor; 7] = [
+    RGBColor(213, 94, 0),
+    RGBColor(0, 114, 178),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(60, 60, 60),
+];
+
+/// Colour number `i` of the palette, repeating from the start.
+pub(crate) fn color(i: usize) -> RGBColor {
+    PALETTE[i % PALETTE.len()]
+}
+
+/// Something that can be drawn to PNG and SVG.
+pub trait Figure {
+    /// Width and height in logical pixels.
+    fn size(&self) -> (u32, u32);
+
+    /// Draws everything.
+    ///
+    /// # Errors
+    /// Nothing to draw, or the backend's error.
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
+    where
+        B::ErrorType: 'static;
+}
+
+/// Draws `figure` as an RGB image, twice its logical size.
+///
+/// # Errors
+/// See [`Figure::draw`].
+pub fn render(figure: &impl Figure) -> Result<RgbImage> {
+    let size = drawn_size(figure)?;
+    let mut pixels = vec![255; size.0 as usize * size.1 as usize * 3];
+    {
+        let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
+        figure.draw(&Canvas { area: &area })?;
+        area.present()?;
+    }
+    Ok(shrink(&pixels, size.0))
+}
+
+/// Draws `figure` as SVG text of its logical size.
+///
+/// # Errors
+/// See [`Figure::draw`].
+pub fn svg(figure: &impl Figure) -> Result<String> {
+    let size = drawn_size(figure)?;
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        figure.draw(&Canvas { area: &area })?;
+        area.present()?;
+    }
+    let (width, height) = figure.size();
+    Ok(text.replacen(
+        &format!("width=\"{}\" height=\"{}\"", size.0, size.1),
+        &format!("width=\"{width}\" height=\"{height}\""),
+        1,
+    ))
+}
+
+/// Writes `figure` as PNG, twice its logical size.
+///
+/// # Errors
+/// See [`Figure::draw`]; or the file cannot be written.
+pub fn save_png(path: &Path, figure: &impl Figure) -> Result<()> {
+    let image = render(figure).with_context(|| format!("cannot draw {}", path.display()))?;
+    image.save(path).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Writes `figure` as SVG.
+///
+/// # Errors
+/// See [`Figure::draw`]; or the file cannot be written.
+pub fn save_svg(path: &Path, figure: &impl Figure) -> Result<()> {
+    let text = svg(figure).with_context(|| format!("cannot draw {}", path.display()))?;
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+fn drawn_size(figure: &impl Figure) -> Result<(u32, u32)> {
+    static REGISTERED: OnceLock<bool> = OnceLock::new();
+    let registered =
+        *REGISTERED.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
+    ensure!(registered, "the built-in font cannot be read");
+    let (width, height) = figure.size();
+    Ok((width * UNIT, height * UNIT))
+}
+
+/// Averages squares of drawn pixels.
+fn shrink(pixels: &[u8], width: u32) -> RgbImage {
+    let height = pixels.len() as u32 / 3 / width;
+    let sample = |x: u32, y: u32, c: usize| u32::from(pixels[((y * width + x) * 3) as usize + c]);
+    RgbImage::from_fn(width / SHRINK, height / SHRINK, |x, y| {
+        let mean = |c: usize| {
+            let mut sum = 0;
+            for dy in 0..SHRINK {
+                for dx in 0..SHRINK {
+                    sum += sample(x * SHRINK + dx, y * SHRINK + dy, c);
+                }
+            }
+            (sum / (SHRINK * SHRINK)) as u8
+        };
+        image::Rgb([mean(0), mean(1), mean(2)])
+    })
+}
+
+/// A part of a figure, in logical pixels.
+pub struct Canvas<'a, B: DrawingBackend> {
+    area: &'a DrawingArea<B, Shift>,
+}
+
+/// Where a text hangs from its point.
+#[derive(Clone, Copy)]
+pub(crate) enum Anchor {
+    Left,
+    Center,
+    Right,
+}
+
+impl<B: DrawingBackend> Canvas<'_, B>
+where
+    B::ErrorType: 'static,
+{
+    /// Text of `size` logical pixels, vertically centred at `at`.
+    pub(crate) fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) -> Result<()> {
+        self.styled_text(text, at, size, anchor, FontTransform::None)
+    }
+
+    /// Text that reads upwards, centred at `at`.
+    pub(crate) fn text_upwards(&self, text: &str, at: (f64, f64), size: f64) -> Result<()> {
+        self.styled_text(text, at, size, Anchor::Center, FontTransform::Rotate270)
+    }
+
+    fn styled_text(
+        &self,
+        text: &str,
+        at: (f64, f64),
+        size: f64,
+        anchor: Anchor,
+        transform: FontTransform,
+    ) -> Result<()> {
+        let h_pos = match anchor {
+            Anchor::Left => HPos::Left,
+            Anchor::Center => HPos::Center,
+            Anchor::Right => HPos::Right,
+        };
+        let font = ("sans-serif", size * f64::from(UNIT)).into_font().transform(transform);
+        let style = TextStyle::from(font).color(&INK).pos(Pos::new(h_pos, VPos::Center));
+        Ok(self.area.draw(&Text::new(text.to_owned(), drawn(at), style))?)
+    }
+
+    /// Width of a text of `size`, logical pixels.
+    pub(crate) fn text_width(&self, text: &str, size: f64) -> f64 {
+        let font = ("sans-serif", size * f64::from(UNIT)).into_font();
+        font.box_size(text).map_or(0.6 * size * text.chars().count() as f64, |(width, _)| {
+            f64::from(width) / f64::from(UNIT)
+        })
+    }
+
+    /// A line of `width` logical pixels through `points`, with round joints.
+    pub(crate) fn line(&self, points: &[(f64, f64)], color: RGBColor, width: f64) -> Result<()> {
+        let mut path: Vec<(i32, i32)> = points.iter().map(|&p| drawn(p)).collect();
+        path.dedup();
+        let width = (width * f64::from(UNIT)).round().max(1.0);
+        let style = color.stroke_width(width as u32);
+        Ok(self.area.draw(&PathElement::new(path, style))?)
+    }
+
+    /// A filled rectangle between two corners.
+    pub(crate) fn bar(&self, a: (f64, f64), b: (f64, f64), color: RGBColor) -> Result<()> {
+        Ok(self.area.draw(&Rectangle::new([drawn(a), drawn(b)], color.filled()))?)
+    }
+
+    /// A filled disc of radius `radius` logical pixels.
+    pub(crate) fn dot(&self, at: (f64, f64), radius: f64, color: RGBColor) -> Result<()> {
+        let radius = (radius * f64::from(UNIT)).round() as i32;
+        Ok(self.area.draw(&Circle::new(drawn(at), radius, color.filled()))?)
+    }
+}
+
+fn drawn(point: (f64, f64)) -> (i32, i32) {
+    let unit = f64::from(UNIT);
+    ((point.0 * unit).round() as i32, (point.1 * unit).round() as i32)
+}

@@ -1,0 +1,192 @@
+//! Estimated trajectory over ground truth, from above and from the side, with equal axes.
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use geometry::{SE3, Vec3};
+use plotters::prelude::{DrawingBackend, RGBColor};
+
+use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
+use super::canvas::{Canvas, Figure, INK, PALETTE, save_png};
+
+/// Above this extent (metres) a trajectory is a car's: its map is the x-z plane of the first camera.
+const OUTDOORS_M: f64 = 60.0;
+/// Exaggerations of height that may be chosen in the side view.
+const EXAGGERATIONS: [f64; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
+
+/// Side from which trajectories are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// Onto the plane of motion: x-z of KITTI's camera frame, else the two axes of largest extent.
+    Top,
+    /// Along the second axis of the top view: height over the first one, exaggerated by a stated factor.
+    Side,
+}
+
+/// Three axes of the world: two of the map and the height.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Projection {
+    right: usize,
+    up: usize,
+    height: usize,
+}
+
+/// Drawing of an estimate over its ground truth.
+#[derive(Clone, Debug)]
+pub struct TrajectoryFigure {
+    /// Title above the plot.
+    pub title: String,
+    /// Estimated positions, in the world of the ground truth, metres; `None` leaves a gap (lost frames).
+    pub estimate: Vec<Option<Vec3>>,
+    /// True positions, metres; may be empty.
+    pub ground_truth: Vec<Vec3>,
+    /// Side from which to look.
+    pub view: View,
+}
+
+/// Draws `est` over `gt` from above (poses `world_from_cam` in one world frame, metres) as PNG at `path`; `gt` may be
+/// empty.
+///
+/// # Errors
+/// Nothing to draw, or the file cannot be written.
+pub fn trajectory_png(path: &Path, est: &[SE3], gt: &[SE3], title: &str) -> Result<()> {
+    let figure = TrajectoryFigure {
+        title: title.to_owned(),
+        estimate: est.iter().map(|pose| Some(pose.translation)).collect(),
+        ground_truth: gt.iter().map(|pose| pose.translation).collect(),
+        view: View::Top,
+    };
+    save_png(path, &figure)
+}
+
+impl TrajectoryFigure {
+    fn all(&self) -> impl Iterator<Item = &Vec3> {
+        self.ground_truth.iter().chain(self.estimate.iter().flatten())
+    }
+
+    /// Axes of the drawing, chosen by the ground truth (by the estimate where there is none).
+    fn projection(&self) -> Projection {
+        let reference: Vec<Vec3> = if self.ground_truth.is_empty() {
+            self.estimate.iter().flatten().copied().collect()
+        } else {
+            self.ground_truth.clone()
+        };
+        let extent = |axis: usize| {
+            let (low, high) = range(reference.iter().map(|p| p[axis]), Margin::Tight);
+            high - low
+        };
+        let extents = [extent(0), extent(1), extent(2)];
+        if extents.iter().any(|&e| e > OUTDOORS_M) && extents[1] < 0.5 * extents[2].max(extents[0]) {
+            return Projection { right: 0, up: 2, height: 1 };
+        }
+        let height = (0..3).min_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(2);
+        let plane: Vec<usize> = (0..3).filter(|&axis| axis != height).collect();
+        Projection { right: plane[0], up: plane[1], height }
+    }
+
+    fn runs(&self, to_plane: impl Fn(&Vec3) -> (f64, f64)) -> Vec<Vec<(f64, f64)>> {
+        let mut runs = vec![Vec::new()];
+        for position in &self.estimate {
+            match (position, runs.last_mut()) {
+                (Some(p), Some(run)) => run.push(to_plane(p)),
+                (None, Some(run)) if !run.is_empty() => runs.push(Vec::new()),
+                _ => {}
+            }
+        }
+        runs
+    }
+}
+
+impl Figure for TrajectoryFigure {
+    fn size(&self) -> (u32, u32) {
+        match self.view {
+            View::Top => (800, 760),
+            View::Side => (800, 360),
+        }
+    }
+
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
+    where
+        B::ErrorType: 'static,
+    {
+        ensure!(self.all().next().is_some(), "no positions to draw");
+        ensure!(self.all().all(|p| p.iter().all(|v| v.is_finite())), "a position is not a finite number");
+        let (width, height) = self.size();
+        let (width, height) = (f64::from(width), f64::from(height));
+        let (truth, estimate) = ("ground truth", "estimate");
+        let keys = [
+            Key { text: truth, color: INK, width: 5.0 },
+            Key { text: estimate, color: PALETTE[0], width: 2.5 },
+        ];
+        let shown = if self.ground_truth.is_empty() { &keys[1..] } else { &keys[..] };
+        header(canvas, width, &self.title, shown)?;
+        let top = header_height(width, &[truth, estimate]);
+        let frame = Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 };
+        let p = self.projection();
+        let name = |axis: usize| ["x", "y", "z"][axis];
+        match self.view {
+            View::Top => {
+                let to_plane = |v: &Vec3| (v[p.right], v[p.up]);
+                let axes = self.axes(frame, &to_plane);
+                axes.draw(canvas, &format!("{} [m]", name(p.right)), &format!("{} [m]", name(p.up)))?;
+                self.draw_paths(canvas, &axes, &to_plane)
+            }
+            View::Side => {
+                // A camera's y axis points down: height is -y.
+                let sign = if p.height == 1 { -1.0 } else { 1.0 };
+                let factor = self.exaggeration(&p, frame);
+                let to_plane = |v: &Vec3| (v[p.right], sign * factor * v[p.height]);
+                let flat = self.axes(frame, &to_plane);
+                let axes = Axes { y: (flat.y.0 / factor, flat.y.1 / factor), ..flat };
+                let minus = if sign < 0.0 { "-" } else { "" };
+                let label = match factor {
+                    1.0 => format!("{minus}{} [m]", name(p.height)),
+                    _ => format!("{minus}{} [m], drawn {factor}x", name(p.height)),
+                };
+                axes.draw(canvas, &format!("{} [m]", name(p.right)), &label)?;
+                self.draw_paths(canvas, &axes, &|v: &Vec3| (v[p.right], sign * v[p.height]))
+            }
+        }
+    }
+}
+
+impl TrajectoryFigure {
+    fn axes(&self, frame: Frame, to_plane: &impl Fn(&Vec3) -> (f64, f64)) -> Axes {
+        let x = range(self.all().map(|v| to_plane(v).0), Margin::Both);
+        let y = range(self.all().map(|v| to_plane(v).1), Margin::Both);
+        Axes::equal(frame, x, y)
+    }
+
+    /// Largest exaggeration of height that still lets the whole width decide the scale.
+    fn exaggeration(&self, p: &Projection, frame: Frame) -> f64 {
+        let x = range(self.all().map(|v| v[p.right]), Margin::Both);
+        let y = range(self.all().map(|v| v[p.height]), Margin::Both);
+        let free = (x.1 - x.0) / frame.width * frame.height / (y.1 - y.0);
+        EXAGGERATIONS.iter().copied().rfind(|&e| e <= free).unwrap_or(1.0)
+    }
+
+    fn draw_paths<B: DrawingBackend>(
+        &self,
+        canvas: &Canvas<'_, B>,
+        axes: &Axes,
+        to_plane: &impl Fn(&Vec3) -> (f64, f64),
+    ) -> Result<()>
+    where
+        B::ErrorType: 'static,
+    {
+        let path = |points: Vec<(f64, f64)>, color: RGBColor, width: f64| -> Result<()> {
+            let pixels: Vec<(f64, f64)> = points.iter().map(|&(x, y)| axes.at(x, y)).collect();
+            canvas.line(&pixels, color, width)
+        };
+        path(self.ground_truth.iter().map(to_plane).collect(), INK, 5.0)?;
+        for run in self.runs(to_plane) {
+            path(run, PALETTE[0], 2.5)?;
+        }
+        if let Some(start) = self.ground_truth.first().or(self.estimate.iter().flatten().next()) {
+            let (x, y) = to_plane(start);
+            canvas.dot(axes.at(x, y), 7.0, INK)?;
+            canvas.dot(axes.at(x, y), 4.0, RGBColor(255, 255, 255))?;
+        }
+        Ok(())
+    }
+}
