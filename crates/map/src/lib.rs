@@ -1,1 +1,53 @@
-//! The one shared data structure, its invariants and its queries.
+//! The one shared data structure: keyframes, points and every relation between them.
+//!
+//! One stage owns the [`Map`] and mutates it; everybody else reads cheap snapshots (`Map::clone`). All relations change
+//! through eight mutations ([`Map::insert`], [`Map::link`], [`Map::unlink`], [`Map::merge_points`],
+//! [`Map::remove_point`], [`Map::remove_keyframe`], [`Map::set_estimates`], [`Map::apply_correction`]) and the
+//! statistics through [`Map::count`]. Each validates its whole input before the first write: a refused mutation leaves
+//! an equal map, revision included.
+//!
+//! | invariant, asserted by [`Map::check`] | kept by |
+//! |---|---|
+//! | an observation exists on both sides or neither | `observations.rs` |
+//! | a feature holds at most one point, a point at most one feature per keyframe | validation |
+//! | every point has two observations or is young ([`PROBATION_KEYFRAMES`]), never none | `insert.rs`, `observations.rs` |
+//! | the reference keyframe of a point observes it | `observations.rs` |
+//! | covisibility weights equal the counted shared points, symmetric, sorted | `covisibility.rs` |
+//! | the spanning tree has one root and no cycle | `insert.rs`, `remove.rs` |
+//! | loop edges are symmetric | `correction.rs`, `remove.rs` |
+//! | no id names a removed thing ([`MapPoint::created_by`], a fact of the past, excepted) | `remove.rs` |
+//! | all numbers are finite, rotations are rotations | validation |
+//! | descriptor, normal and distance range of a point are those of its observations | `derived.rs` |
+//!
+//! Start reading at `map.rs` (queries), then `observations.rs` (the primitives that the mutations share).
+
+mod arena;
+mod check;
+mod correction;
+mod covisibility;
+mod derived;
+mod digest;
+mod error;
+mod estimates;
+mod ids;
+mod insert;
+mod keyframe;
+mod map;
+mod observations;
+mod point;
+mod remove;
+#[cfg(test)]
+mod tests;
+mod validate;
+
+pub use check::Violation;
+pub use correction::Correction;
+pub use error::{MapError, PoseDefect};
+pub use ids::{KeyframeId, PointId};
+pub use insert::{Batch, Inserted, NewKeyframe, NewPoint};
+pub use keyframe::Keyframe;
+pub use map::{Map, PROBATION_KEYFRAMES};
+pub use observations::PointFate;
+pub use point::{MapPoint, Observation, PointCount};
+pub use remove::Removed;
+pub use validate::{MAX_COORDINATE_M, ROTATION_TOLERANCE};

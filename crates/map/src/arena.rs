@@ -1,0 +1,118 @@
+//! Copy-on-write storage by dense id: a clone shares everything, a write copies one chunk of pointers and one item.
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use crate::ids::Id;
+
+/// Slots per chunk: a write beside a snapshot copies this many pointers.
+const CHUNK: usize = 64;
+
+/// What an id names. `R` is what remains of an item that another one has replaced.
+#[derive(Clone)]
+enum Slot<T, R> {
+    Live(Arc<T>),
+    Forwarded(Arc<R>),
+    Removed,
+}
+
+/// Items `T` under ids `I` given out in order and never reused.
+pub(crate) struct Arena<I, T, R> {
+    chunks: Vec<Arc<Vec<Slot<T, R>>>>,
+    len: usize,
+    n_live: usize,
+    id: PhantomData<I>,
+}
+
+impl<I, T, R> Clone for Arena<I, T, R> {
+    fn clone(&self) -> Self {
+        Arena { chunks: self.chunks.clone(), len: self.len, n_live: self.n_live, id: PhantomData }
+    }
+}
+
+impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
+    pub(crate) fn new() -> Self {
+        Arena { chunks: Vec::new(), len: 0, n_live: 0, id: PhantomData }
+    }
+
+    /// Number of ids given out so far, removed ones included.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    pub(crate) fn n_live(&self) -> usize {
+        self.n_live
+    }
+
+    pub(crate) fn next_id(&self) -> I {
+        I::from_index(self.len)
+    }
+
+    /// Stores an item under the next id.
+    pub(crate) fn push(&mut self, item: T) -> I {
+        let id = self.next_id();
+        if self.len % CHUNK == 0 {
+            self.chunks.push(Arc::new(Vec::with_capacity(CHUNK)));
+        }
+        let last = self.len / CHUNK;
+        Arc::make_mut(&mut self.chunks[last]).push(Slot::Live(Arc::new(item)));
+        self.len += 1;
+        self.n_live += 1;
+        id
+    }
+
+    pub(crate) fn get(&self, id: I) -> Option<&T> {
+        match self.slot(id.index())? {
+            Slot::Live(item) => Some(item),
+            Slot::Forwarded(_) | Slot::Removed => None,
+        }
+    }
+
+    /// An item that must be there: by an invariant of the map or after validation.
+    pub(crate) fn live(&self, id: I) -> &T {
+        self.get(id).unwrap_or_else(|| panic!("map is broken: {id} is not there"))
+    }
+
+    /// Write access to an item that must be there; copies it if a snapshot shares it.
+    pub(crate) fn live_mut(&mut self, id: I) -> &mut T {
+        match self.slot_mut(id) {
+            Slot::Live(item) => Arc::make_mut(item),
+            Slot::Forwarded(_) | Slot::Removed => panic!("map is broken: {id} is not there"),
+        }
+    }
+
+    /// Takes an item out for ever, leaving word of what replaced it, if anything did.
+    pub(crate) fn remove(&mut self, id: I, replaced_by: Option<R>) {
+        let slot = self.slot_mut(id);
+        let was_live = matches!(slot, Slot::Live(_));
+        *slot = replaced_by.map_or(Slot::Removed, |r| Slot::Forwarded(Arc::new(r)));
+        self.n_live -= usize::from(was_live);
+    }
+
+    /// What replaced a removed item.
+    pub(crate) fn forward(&self, id: I) -> Option<&R> {
+        match self.slot(id.index())? {
+            Slot::Forwarded(r) => Some(r),
+            Slot::Live(_) | Slot::Removed => None,
+        }
+    }
+
+    /// Live items in order of their ids.
+    pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (I, &T)> {
+        self.chunks.iter().enumerate().flat_map(|(c, chunk)| {
+            chunk.iter().enumerate().filter_map(move |(i, slot)| match slot {
+                Slot::Live(item) => Some((I::from_index(c * CHUNK + i), &**item)),
+                Slot::Forwarded(_) | Slot::Removed => None,
+            })
+        })
+    }
+
+    fn slot(&self, index: usize) -> Option<&Slot<T, R>> {
+        self.chunks.get(index / CHUNK)?.get(index % CHUNK)
+    }
+
+    fn slot_mut(&mut self, id: I) -> &mut Slot<T, R> {
+        let index = id.index();
+        &mut Arc::make_mut(&mut self.chunks[index / CHUNK])[index % CHUNK]
+    }
+}

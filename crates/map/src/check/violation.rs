@@ -1,0 +1,218 @@
+//! The ways in which a map can be broken.
+
+use crate::{KeyframeId, PointId, PoseDefect};
+
+/// A broken invariant.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Violation {
+    /// The thing under an id carries another id.
+    #[error("keyframe {keyframe} calls itself {carries}")]
+    KeyframeId {
+        /// The id it is stored under.
+        keyframe: KeyframeId,
+        /// The id it carries.
+        carries: KeyframeId,
+    },
+    /// The thing under an id carries another id.
+    #[error("point {point} calls itself {carries}")]
+    PointId {
+        /// The id it is stored under.
+        point: PointId,
+        /// The id it carries.
+        carries: PointId,
+    },
+    /// A merged point leads to an id that was never given out, or back to itself.
+    #[error("merged point {point} leads nowhere")]
+    PointForward {
+        /// The merged point.
+        point: PointId,
+    },
+    /// A removed keyframe does not lead to a living one.
+    #[error("removed keyframe {keyframe} leads nowhere")]
+    KeyframeForward {
+        /// The removed keyframe.
+        keyframe: KeyframeId,
+    },
+    /// A keyframe's relation names a keyframe that is not there.
+    #[error("keyframe {keyframe} names keyframe {missing} which is not there")]
+    MissingKeyframe {
+        /// The keyframe that names it.
+        keyframe: KeyframeId,
+        /// The id that names nothing.
+        missing: KeyframeId,
+    },
+    /// A point names a keyframe that is not there.
+    #[error("point {point} names keyframe {missing} which is not there")]
+    MissingObserver {
+        /// The point that names it.
+        point: PointId,
+        /// The id that names nothing.
+        missing: KeyframeId,
+    },
+    /// A feature shows a point that is not there.
+    #[error("feature {feature} of keyframe {keyframe} shows point {missing} which is not there")]
+    MissingPoint {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The feature.
+        feature: u32,
+        /// The id that names nothing.
+        missing: PointId,
+    },
+    /// An observation that the keyframe does not know.
+    #[error(
+        "point {point} has an observation in feature {feature} of keyframe {keyframe}, which shows {shows:?}"
+    )]
+    OneSidedObservation {
+        /// The point.
+        point: PointId,
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The feature.
+        feature: u32,
+        /// What the keyframe holds there.
+        shows: Option<PointId>,
+    },
+    /// An observation that the point does not know.
+    #[error("feature {feature} of keyframe {keyframe} shows point {point}, which does not list it")]
+    UnlistedObservation {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The feature.
+        feature: u32,
+        /// The point.
+        point: PointId,
+    },
+    /// The table of a keyframe has not one entry per feature.
+    #[error("keyframe {keyframe} has {n_features} features and {n_entries} entries for their points")]
+    TableLength {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// Features of its frame.
+        n_features: usize,
+        /// Entries of its table.
+        n_entries: usize,
+    },
+    /// The observations of a point are not in strict order of their keyframes.
+    #[error("point {point} lists keyframe {keyframe} twice or out of order")]
+    ObservationOrder {
+        /// The point.
+        point: PointId,
+        /// The keyframe.
+        keyframe: KeyframeId,
+    },
+    /// A point has too few observations for its age.
+    #[error("point {point}, created by keyframe {created_by}, has only {n_observations} observations")]
+    TooFewObservations {
+        /// The point.
+        point: PointId,
+        /// Its creator.
+        created_by: KeyframeId,
+        /// How many it has.
+        n_observations: usize,
+    },
+    /// A point was created by a keyframe that never existed.
+    #[error("point {point} was created by keyframe {created_by}, which never existed")]
+    Creator {
+        /// The point.
+        point: PointId,
+        /// Its creator.
+        created_by: KeyframeId,
+    },
+    /// The reference keyframe of a point does not observe it.
+    #[error("point {point} is not observed by its reference keyframe {reference}")]
+    Reference {
+        /// The point.
+        point: PointId,
+        /// Its reference.
+        reference: KeyframeId,
+    },
+    /// A covisibility weight is not the number of shared points.
+    #[error("keyframes {keyframe} and {other} share {counted} points, stored are {stored}")]
+    Covisibility {
+        /// The keyframe that stores the weight.
+        keyframe: KeyframeId,
+        /// The other one.
+        other: KeyframeId,
+        /// The weight, 0 if there is no entry.
+        stored: u32,
+        /// The number of shared points.
+        counted: u32,
+    },
+    /// A covisibility list is not in strict order (weight descending, id ascending).
+    #[error("covisible keyframe {other} of {keyframe} is out of order")]
+    CovisibilityOrder {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The entry out of order.
+        other: KeyframeId,
+    },
+    /// Not exactly one keyframe without a parent, or another than the root.
+    #[error("keyframes without a parent are {parentless:?}, the root is {root:?}")]
+    Root {
+        /// The root that the map names.
+        root: Option<KeyframeId>,
+        /// The keyframes that have no parent.
+        parentless: Vec<KeyframeId>,
+    },
+    /// Parent and child do not agree.
+    #[error("keyframe {child} has parent {parent:?}, but keyframe {other} {}", if *.listed { "lists it as a child" } else { "does not list it as a child" })]
+    ParentChild {
+        /// The child.
+        child: KeyframeId,
+        /// Its parent.
+        parent: Option<KeyframeId>,
+        /// The keyframe that disagrees.
+        other: KeyframeId,
+        /// Whether that one lists the child.
+        listed: bool,
+    },
+    /// Going from parent to parent does not lead to the root.
+    #[error("keyframe {keyframe} is on or behind a cycle of the spanning tree")]
+    Cycle {
+        /// The keyframe.
+        keyframe: KeyframeId,
+    },
+    /// A loop edge exists on one side only, or joins a keyframe with itself.
+    #[error("loop edge from keyframe {from} to {to} has no counterpart")]
+    LoopEdge {
+        /// The keyframe that has it.
+        from: KeyframeId,
+        /// The other one.
+        to: KeyframeId,
+    },
+    /// A list of children or loop edges is not in strict order.
+    #[error("a list of keyframe {keyframe} has {entry} twice or out of order")]
+    ListOrder {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The entry out of order.
+        entry: KeyframeId,
+    },
+    /// A pose is not finite or has no rotation.
+    #[error("pose of keyframe {keyframe} {defect}")]
+    Pose {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// What is wrong.
+        defect: PoseDefect,
+    },
+    /// Position, normal or distances of a point are not finite.
+    #[error("a number of point {point} is not finite")]
+    PointNumbers {
+        /// The point.
+        point: PointId,
+    },
+    /// The descriptor of a point is not that of its observations.
+    #[error("descriptor of point {point} is stale")]
+    StaleDescriptor {
+        /// The point.
+        point: PointId,
+    },
+    /// Normal or distances of a point are not those of its observations.
+    #[error("normal or distance range of point {point} is stale")]
+    StaleGeometry {
+        /// The point.
+        point: PointId,
+    },
+}
