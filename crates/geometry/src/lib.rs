@@ -6,22 +6,39 @@
 
 mod aliases;
 mod distortion;
+mod essential;
+mod estimators;
+mod fundamental;
+mod p3p;
 mod pinhole;
 mod product;
+mod ransac;
 mod raster;
+mod sampler;
 mod se3;
 mod seed;
 mod series;
 mod sim3;
 mod so3;
 mod stereo;
+mod triangulate;
+mod umeyama;
 
 pub use aliases::*;
 pub use distortion::Distortion;
+pub use essential::{CheiralityChoice, decompose_essential, essential_from_fundamental, pose_from_essential};
+pub use estimators::{
+    AlignmentEstimator, FundamentalEstimator, PnpEstimator, SightedPoints, SimilarityEstimator,
+};
+pub use fundamental::{estimate_fundamental, fundamental_from_poses, sampson_error_sq};
+pub use p3p::p3p;
 pub use pinhole::Pinhole;
+pub use ransac::{Consensus, Estimator, RansacOptions, ransac};
 pub use raster::{DepthImage, GrayImage, Raster};
 pub use se3::SE3;
 pub use seed::mix_seed;
 pub use sim3::Sim3;
 pub use so3::SO3;
 pub use stereo::StereoRig;
+pub use triangulate::{angle_between, parallax, triangulate, triangulate_dlt};
+pub use umeyama::align_umeyama;

@@ -1,0 +1,16 @@
+//! Ready estimators for [`crate::ransac`].
+
+mod alignment;
+mod fundamental;
+mod pnp;
+mod similarity;
+
+pub use alignment::AlignmentEstimator;
+pub use fundamental::FundamentalEstimator;
+pub use pnp::PnpEstimator;
+pub use similarity::{SightedPoints, SimilarityEstimator};
+
+/// The chosen elements, in the order of the indices.
+fn pick<T: Copy>(all: &[T], indices: &[usize]) -> Vec<T> {
+    indices.iter().map(|&i| all[i]).collect()
+}

@@ -1,0 +1,87 @@
+//! The fundamental matrix of two views by the normalised eight-point algorithm (Hartley 1997).
+//!
+//! `F` maps a pixel of view `a` to its epipolar line in view `b`: `[pixel_b; 1]^T F [pixel_a; 1] = 0`.
+
+use crate::aliases::{Mat3, Vec2, Vec3};
+use crate::pinhole::Pinhole;
+use crate::se3::SE3;
+use crate::so3::SO3;
+use nalgebra::{OMatrix, RowSVector, U9};
+
+/// Second smallest singular value over the largest below which the points do not determine the matrix.
+const MIN_RANK_RATIO: f64 = 1e-9;
+
+/// The fundamental matrix of eight or more pixel pairs, of rank two and Frobenius norm one; weights default to one.
+///
+/// `None` when lengths differ, fewer than eight pairs are given, or the pairs leave it open (points on a plane, no motion).
+#[must_use]
+pub fn estimate_fundamental(pixels_a: &[Vec2], pixels_b: &[Vec2], weights: Option<&[f64]>) -> Option<Mat3> {
+    let n = pixels_a.len();
+    if n < 8 || pixels_b.len() != n || weights.is_some_and(|w| w.len() != n || w.iter().any(|&v| v < 0.0)) {
+        return None;
+    }
+    let (normalise_a, normalise_b) = (normalisation(pixels_a)?, normalisation(pixels_b)?);
+    // Nine rows at least, so that the decomposition has all nine right vectors.
+    let mut system = OMatrix::<f64, nalgebra::Dyn, U9>::zeros(n.max(9));
+    for i in 0..n {
+        let a = normalise_a * pixels_a[i].push(1.0);
+        let b = normalise_b * pixels_b[i].push(1.0);
+        let weight = weights.map_or(1.0, |w| w[i].sqrt());
+        let row = [b.x * a.x, b.x * a.y, b.x, b.y * a.x, b.y * a.y, b.y, a.x, a.y, 1.0];
+        system.set_row(i, &(RowSVector::<f64, 9>::from_row_slice(&row) * weight));
+    }
+    let svd = system.try_svd(false, true, f64::EPSILON, 0)?;
+    if svd.singular_values[7] <= MIN_RANK_RATIO * svd.singular_values[0] {
+        return None;
+    }
+    let v_t = svd.v_t?;
+    let full_rank = Mat3::from_row_iterator(v_t.row(8).iter().copied());
+    let f = normalise_b.transpose() * with_rank_two(&full_rank)? * normalise_a;
+    let norm = f.norm();
+    (norm.is_finite() && norm > 0.0).then(|| f / norm)
+}
+
+/// The fundamental matrix of two calibrated cameras, not normalised.
+#[must_use]
+pub fn fundamental_from_poses(camera_a: &Pinhole, camera_b: &Pinhole, b_from_a: &SE3) -> Mat3 {
+    let essential = SO3::hat(&b_from_a.translation) * b_from_a.rotation.matrix();
+    inverse_calibration(camera_b).transpose() * essential * inverse_calibration(camera_a)
+}
+
+/// The Sampson distance: the squared distance in square pixels, to first order, from a pair to the nearest exact pair.
+///
+/// Hartley and Zisserman, equation 11.9. Not a number where both pixels are epipoles.
+#[inline]
+#[must_use]
+pub fn sampson_error_sq(fundamental: &Mat3, pixel_a: &Vec2, pixel_b: &Vec2) -> f64 {
+    let (a, b) = (pixel_a.push(1.0), pixel_b.push(1.0));
+    let line_b = fundamental * a;
+    let line_a = fundamental.tr_mul(&b);
+    let algebraic = b.dot(&line_b);
+    let gradient_sq = line_b.x * line_b.x + line_b.y * line_b.y + line_a.x * line_a.x + line_a.y * line_a.y;
+    algebraic * algebraic / gradient_sq
+}
+
+/// Moves the centroid to zero and the mean distance from it to the square root of two.
+fn normalisation(pixels: &[Vec2]) -> Option<Mat3> {
+    let n = pixels.len() as f64;
+    let centroid = pixels.iter().sum::<Vec2>() / n;
+    let mean_distance = pixels.iter().map(|p| (p - centroid).norm()).sum::<f64>() / n;
+    if !(mean_distance.is_finite() && mean_distance > 0.0) {
+        return None;
+    }
+    let s = std::f64::consts::SQRT_2 / mean_distance;
+    Some(Mat3::new(s, 0.0, -s * centroid.x, 0.0, s, -s * centroid.y, 0.0, 0.0, 1.0))
+}
+
+/// The nearest matrix of rank two.
+fn with_rank_two(matrix: &Mat3) -> Option<Mat3> {
+    let svd = matrix.try_svd(true, true, f64::EPSILON, 0)?;
+    let d = svd.singular_values;
+    Some(svd.u? * Mat3::from_diagonal(&Vec3::new(d[0], d[1], 0.0)) * svd.v_t?)
+}
+
+fn inverse_calibration(camera: &Pinhole) -> Mat3 {
+    let (x, y) = (1.0 / camera.fx, 1.0 / camera.fy);
+    Mat3::new(x, 0.0, -camera.cx * x, 0.0, y, -camera.cy * y, 0.0, 0.0, 1.0)
+}
