@@ -93,7 +93,13 @@ impl<'a> Run<'a> {
                 let track_ms = watch.last("track");
                 let status = status_of(&tracked);
                 let relative = self.map_frame(&tracked, &mut watch, observer);
-                self.report_frame(fetched.info.index, &status, Some((&frame, tracked.stats)), track_ms, observer);
+                self.report_frame(
+                    fetched.info.index,
+                    &status,
+                    Some((&frame, tracked.stats)),
+                    track_ms,
+                    observer,
+                );
                 (status, relative)
             }
         };
@@ -121,7 +127,8 @@ impl<'a> Run<'a> {
         if let Some(request) = &tracked.keyframe {
             watch.time("map", |watch| {
                 let Some(id) = self.mapper.insert(request, watch) else { return };
-                relative = Some(RelativePose { reference: id, cam_from_reference: geometry::SE3::identity() });
+                relative =
+                    Some(RelativePose { reference: id, cam_from_reference: geometry::SE3::identity() });
                 let report = self.mapper.refine(id, watch);
                 let frame = request.frame.index;
                 observer.event(&Event::Keyframe { id, frame, reason: request.reason, report });
@@ -142,7 +149,16 @@ impl<'a> Run<'a> {
             (frame.len(), (0..frame.len()).filter(|&i| frame.has_depth(i)).count(), stats)
         });
         let (keyframes, points) = (self.mapper.map().n_keyframes(), self.mapper.map().n_points());
-        observer.event(&Event::Frame { index, status, stats, features, with_depth, keyframes, points, track_ms });
+        observer.event(&Event::Frame {
+            index,
+            status,
+            stats,
+            features,
+            with_depth,
+            keyframes,
+            points,
+            track_ms,
+        });
     }
 
     /// Re-expresses every frame in the final map.
@@ -170,7 +186,10 @@ fn usable(images: LoadedFrame, setup: &Setup) -> Result<LoadedFrame, String> {
         if (width, height) == expected {
             return Ok(());
         }
-        Err(format!("the {name} image is {width} x {height} pixels, expected {} x {}", expected.0, expected.1))
+        Err(format!(
+            "the {name} image is {width} x {height} pixels, expected {} x {}",
+            expected.0, expected.1
+        ))
     };
     check("left", images.left.width, images.left.height)?;
     match setup.sensor {

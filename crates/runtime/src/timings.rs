@@ -47,11 +47,17 @@ impl Timings {
 
     /// Summary of a stage over all frames in which it ran; `None` if it never did.
     pub fn summary(&self, stage: &str) -> Option<Summary> {
-        let mut times: Vec<f64> =
-            self.rows.iter().flat_map(|row| &row.stages).filter(|(name, _)| *name == stage).map(|(_, ms)| *ms).collect();
+        let mut times: Vec<f64> = self
+            .rows
+            .iter()
+            .flat_map(|row| &row.stages)
+            .filter(|(name, _)| *name == stage)
+            .map(|(_, ms)| *ms)
+            .collect();
         times.sort_by(f64::total_cmp);
         let max = *times.last()?;
-        let rank = |share: f64| times[((share * times.len() as f64).ceil() as usize).clamp(1, times.len()) - 1];
+        let rank =
+            |share: f64| times[((share * times.len() as f64).ceil() as usize).clamp(1, times.len()) - 1];
         Some(Summary { calls: times.len(), median: rank(0.5), p95: rank(0.95), max })
     }
 }

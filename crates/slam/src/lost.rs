@@ -32,7 +32,10 @@ impl fmt::Display for Lost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Lost::TooFewMatches { found, needed } => {
-                write!(f, "too few matches with the last frame and the reference keyframe: {found} of {needed}")
+                write!(
+                    f,
+                    "too few matches with the last frame and the reference keyframe: {found} of {needed}"
+                )
             }
             Lost::TooFewPredictedInliers { found, needed } => {
                 write!(f, "the predicted pose has too few inliers: {found} of {needed}")

@@ -16,16 +16,14 @@ pub(crate) struct Projection {
     pub(crate) v: f64,
     /// Column in the right image, pixels.
     pub(crate) right_u: f64,
-    /// Depth in the camera's frame, metres.
-    pub(crate) depth_m: f64,
     /// Octave at which the point should be detected.
     pub(crate) octave: u8,
     /// Cosine of the angle to the point's mean viewing direction.
     pub(crate) view_cos: f64,
 }
 
-/// Projects a world position; `None` behind the camera or outside the image.
-pub(crate) fn project_inside(frame: &Frame, cam_from_world: &SE3, position: &Vec3) -> Option<(Vec3, Vec3)> {
+/// Projects a world position to `(u, v, u_right)`; `None` behind the camera or outside the image.
+pub(crate) fn project_inside(frame: &Frame, cam_from_world: &SE3, position: &Vec3) -> Option<Vec3> {
     let point_cam = *cam_from_world * *position;
     if point_cam.z <= 0.0 {
         return None;
@@ -36,7 +34,7 @@ pub(crate) fn project_inside(frame: &Frame, cam_from_world: &SE3, position: &Vec
         && uvr.x < f64::from(bounds.max_x)
         && uvr.y >= f64::from(bounds.min_y)
         && uvr.y < f64::from(bounds.max_y);
-    inside.then_some((point_cam, uvr))
+    inside.then_some(uvr)
 }
 
 /// The full test: in front, inside the image, within the distance range, seen from a similar direction.
@@ -46,7 +44,7 @@ pub(crate) fn project_visible(
     center: &Vec3,
     point: &MapPoint,
 ) -> Option<Projection> {
-    let (point_cam, uvr) = project_inside(frame, cam_from_world, &point.position)?;
+    let uvr = project_inside(frame, cam_from_world, &point.position)?;
     let ray = point.position - center;
     let distance = ray.norm();
     if distance < 0.8 * point.min_distance_m || distance > 1.2 * point.max_distance_m {
@@ -57,7 +55,7 @@ pub(crate) fn project_visible(
         return None;
     }
     let octave = predict_octave(frame, point.max_distance_m, distance);
-    Some(Projection { u: uvr.x, v: uvr.y, right_u: uvr.z, depth_m: point_cam.z, octave, view_cos })
+    Some(Projection { u: uvr.x, v: uvr.y, right_u: uvr.z, octave, view_cos })
 }
 
 /// The octave at which a point of range `max_distance_m` appears from `distance_m`.

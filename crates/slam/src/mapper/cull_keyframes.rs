@@ -12,13 +12,18 @@ impl Mapper {
     pub(super) fn cull_keyframes(&mut self, keyframe: KeyframeId) -> usize {
         let Some(center) = self.map.keyframe(keyframe) else { return 0 };
         let root = self.map.keyframes().next().map(|kf| kf.id);
-        let candidates = center.covisible_at_least(self.params.mapping.min_covisible_weight);
+        let candidates = center.covisible_at_least(self.params.mapping.min_covisible_weight).to_vec();
         let mut removed = 0;
         for (id, _) in candidates {
             if Some(id) == root || id == keyframe {
                 continue;
             }
-            if is_redundant(&self.map, id, self.params.mapping.redundant_ratio, self.params.mapping.close_depth_m) {
+            if is_redundant(
+                &self.map,
+                id,
+                self.params.mapping.redundant_ratio,
+                self.params.mapping.close_depth_m,
+            ) {
                 removed += usize::from(self.map.remove_keyframe(id).is_ok());
             }
         }

@@ -22,7 +22,8 @@ impl Mapper {
         for &target in &targets {
             changed += self.fuse_into(target, &own);
         }
-        let mut foreign: Vec<PointId> = targets.iter().flat_map(|&target| points_of(&self.map, target)).collect();
+        let mut foreign: Vec<PointId> =
+            targets.iter().flat_map(|&target| points_of(&self.map, target)).collect();
         foreign.sort_unstable();
         foreign.dedup();
         changed + self.fuse_into(keyframe, &foreign)
@@ -31,10 +32,13 @@ impl Mapper {
     /// The best covisible keyframes and the best covisible ones of those.
     fn fusion_targets(&self, keyframe: KeyframeId) -> Vec<KeyframeId> {
         let mapping = &self.params.mapping;
-        let best = |id: KeyframeId, n: usize| self.map.keyframe(id).map_or(Vec::new(), |kf| kf.best_covisible(n));
+        let best = |id: KeyframeId, n: usize| {
+            self.map.keyframe(id).map_or(Vec::new(), |kf| kf.best_covisible(n).to_vec())
+        };
         let mut targets = Vec::new();
-        for first in best(keyframe, mapping.neighbours) {
-            for id in std::iter::once(first).chain(best(first, mapping.second_neighbours)) {
+        for (first, _) in best(keyframe, mapping.neighbours) {
+            let second = best(first, mapping.second_neighbours).into_iter().map(|(id, _)| id);
+            for id in std::iter::once(first).chain(second) {
                 if id != keyframe && !targets.contains(&id) {
                     targets.push(id);
                 }

@@ -27,10 +27,18 @@ impl Mapper {
             self.params.mapping.min_depth_points,
         )
         .into_iter()
-        .map(|(feature, position)| NewPoint { position, observations: vec![Observation { keyframe, feature }] })
+        .map(|(feature, position)| NewPoint {
+            position,
+            observations: vec![Observation { keyframe, feature }],
+        })
         .collect();
         let batch = Batch {
-            keyframe: Some(NewKeyframe { frame: request.frame.clone(), cam_from_world, matches }),
+            keyframe: Some(NewKeyframe {
+                frame: request.frame.clone(),
+                cam_from_world,
+                matches,
+                parent: None,
+            }),
             points,
         };
         let inserted = self.map.insert(batch).ok()?;

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use geometry::{SE3, StereoRig, Vec3};
 use map::{KeyframeId, PointId};
-use optim::{BundleObservation, BundleOptions, BundleProblem, BundleSolution, CHI2_MONO, CHI2_STEREO, refine_bundle};
+use optim::{
+    BundleObservation, BundleOptions, BundleProblem, BundleSolution, CHI2_MONO, CHI2_STEREO, refine_bundle,
+};
 
 use super::Mapper;
 
@@ -31,7 +33,8 @@ impl Mapper {
         }
         let Some(local) = self.local_problem(keyframe) else { return Adjusted::default() };
         let mapping = &self.params.mapping;
-        let robust = BundleOptions { max_iterations: mapping.first_iterations, robust: true, ..Default::default() };
+        let robust =
+            BundleOptions { max_iterations: mapping.first_iterations, robust: true, ..Default::default() };
         let first = refine_bundle(&local.problem, &robust);
         let mut inliers = local.problem.clone();
         inliers.cameras.clone_from(&first.cameras);
@@ -42,7 +45,8 @@ impl Mapper {
             at += 1;
             !bad[at - 1]
         });
-        let plain = BundleOptions { max_iterations: mapping.second_iterations, robust: false, ..Default::default() };
+        let plain =
+            BundleOptions { max_iterations: mapping.second_iterations, robust: false, ..Default::default() };
         let second = refine_bundle(&inliers, &plain);
         self.write_back(&local, &second)
     }
@@ -52,7 +56,7 @@ impl Mapper {
         let mapping = &self.params.mapping;
         let center = self.map.keyframe(keyframe)?;
         let mut free = vec![keyframe];
-        free.extend(center.covisible_at_least(mapping.min_covisible_weight).into_iter().map(|(id, _)| id));
+        free.extend(center.covisible_at_least(mapping.min_covisible_weight).iter().map(|&(id, _)| id));
         free.truncate(mapping.max_local_keyframes);
         let mut points: Vec<PointId> = free
             .iter()
@@ -94,7 +98,8 @@ impl Mapper {
             fixed[oldest] = true;
         }
         let rig: StereoRig = center.frame.rig.stereo;
-        let cameras = keyframes.iter().filter_map(|&id| self.map.keyframe(id)).map(|kf| kf.cam_from_world).collect();
+        let cameras =
+            keyframes.iter().filter_map(|&id| self.map.keyframe(id)).map(|kf| kf.cam_from_world).collect();
         let positions = points.iter().filter_map(|&id| self.map.point(id)).map(|p| p.position).collect();
         let problem = BundleProblem { rig, cameras, fixed, points: positions, observations };
         Some(LocalProblem { problem, keyframes, points })
@@ -131,7 +136,12 @@ fn outliers(problem: &BundleProblem, solution: &BundleSolution) -> Vec<bool> {
         .observations
         .iter()
         .map(|o| {
-            disagrees(&problem.rig, &solution.cameras[o.camera as usize], &solution.points[o.point as usize], o)
+            disagrees(
+                &problem.rig,
+                &solution.cameras[o.camera as usize],
+                &solution.points[o.point as usize],
+                o,
+            )
         })
         .collect()
 }

@@ -60,7 +60,9 @@ impl Mapper {
 
     /// Adds the statistics of a tracked frame.
     pub fn count(&mut self, counts: &[PointCount]) {
-        self.map.count(counts);
+        // Only a point that never existed is refused, and the tracker has its points from the map.
+        let known = self.map.count(counts);
+        debug_assert_eq!(known, Ok(()));
     }
 
     /// Inserts a keyframe with its stereo points at once; `None` if its reference is gone from the map.
@@ -70,16 +72,20 @@ impl Mapper {
 
     /// The slow work on a keyframe that was inserted: cull young points, triangulate, fuse, adjust, cull keyframes.
     pub fn refine(&mut self, keyframe: KeyframeId, probe: &mut dyn Probe) -> MappingReport {
-        let mut report = MappingReport::default();
-        report.culled_points = staged(probe, Stage::CullPoints, || self.cull_points(keyframe));
-        report.triangulated = staged(probe, Stage::Triangulate, || self.triangulate(keyframe));
-        report.fused = staged(probe, Stage::Fuse, || self.fuse(keyframe));
+        let culled_points = staged(probe, Stage::CullPoints, || self.cull_points(keyframe));
+        let triangulated = staged(probe, Stage::Triangulate, || self.triangulate(keyframe));
+        let fused = staged(probe, Stage::Fuse, || self.fuse(keyframe));
         let adjusted = staged(probe, Stage::LocalBundle, || self.adjust(keyframe));
-        report.adjusted_keyframes = adjusted.keyframes;
-        report.adjusted_points = adjusted.points;
-        report.outliers = adjusted.outliers;
-        report.culled_keyframes = staged(probe, Stage::CullKeyframes, || self.cull_keyframes(keyframe));
+        let culled_keyframes = staged(probe, Stage::CullKeyframes, || self.cull_keyframes(keyframe));
         debug_assert_eq!(self.map.check(), Ok(()), "after keyframe {keyframe:?}");
-        report
+        MappingReport {
+            culled_points,
+            triangulated,
+            fused,
+            adjusted_keyframes: adjusted.keyframes,
+            adjusted_points: adjusted.points,
+            outliers: adjusted.outliers,
+            culled_keyframes,
+        }
     }
 }

@@ -116,7 +116,9 @@ pub(crate) fn stereo_observations(map: &Map, point: &map::MapPoint) -> usize {
     point
         .observations()
         .iter()
-        .filter_map(|o| map.keyframe(o.keyframe).map(|kf| 1 + usize::from(kf.frame.has_depth(o.feature as usize))))
+        .filter_map(|o| {
+            map.keyframe(o.keyframe).map(|kf| 1 + usize::from(kf.frame.has_depth(o.feature as usize)))
+        })
         .sum()
 }
 
@@ -154,7 +156,10 @@ mod tests {
     #[test]
     fn weak_tracking_waits_for_nobody() {
         assert_eq!(decide(&Counts { inliers: 99, ..QUIET }), Some(KeyframeReason::FewShared));
-        assert_eq!(decide(&Counts { close_tracked: 99, close_untracked: 71, ..QUIET }), Some(KeyframeReason::FewClose));
+        assert_eq!(
+            decide(&Counts { close_tracked: 99, close_untracked: 71, ..QUIET }),
+            Some(KeyframeReason::FewClose)
+        );
         assert_eq!(decide(&Counts { close_tracked: 99, close_untracked: 70, ..QUIET }), None);
         assert_eq!(decide(&Counts { close_tracked: 100, close_untracked: 71, ..QUIET }), None);
     }

@@ -29,7 +29,17 @@ impl LastFrame {
 
     /// The frame that becomes the first keyframe of a map.
     pub(crate) fn first(frame: Arc<Frame>) -> Self {
-        LastFrame { frame, reference: KeyframeId(0), cam_from_reference: SE3::identity(), matches: Vec::new() }
+        LastFrame {
+            frame,
+            reference: KeyframeId(0),
+            cam_from_reference: SE3::identity(),
+            matches: Vec::new(),
+        }
+    }
+
+    /// Frame intervals from this frame to `frame`: more than one after dropped or lost frames.
+    pub(crate) fn intervals_to(&self, frame: &Frame) -> u32 {
+        frame.index.saturating_sub(self.frame.index).max(1)
     }
 
     /// Pose in the world of `map`.
@@ -46,8 +56,10 @@ impl LastFrame {
     /// Follows what happened in the map since: removed keyframes, merged and removed points, and the frame itself
     /// having become a keyframe with new points.
     pub(crate) fn refreshed(mut self, map: &Map) -> Self {
-        if let Some(keyframe) =
-            map.newest_keyframe().and_then(|id| map.keyframe(id)).filter(|kf| kf.frame.index == self.frame.index)
+        if let Some(keyframe) = map
+            .newest_keyframe()
+            .and_then(|id| map.keyframe(id))
+            .filter(|kf| kf.frame.index == self.frame.index)
         {
             self.reference = keyframe.id;
             self.cam_from_reference = SE3::identity();

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use features::{Frame, ProjectionQuery, search_windows};
 use geometry::SE3;
-use map::{Keyframe, KeyframeId, Map, PointCount, PointId};
+use map::{KeyframeId, Map, PointCount, PointId};
 use rayon::prelude::*;
 
 use super::pose::refine;
@@ -91,7 +91,8 @@ impl LocalMap {
     ) -> LocallyTracked {
         let visible = self.visible(frame, map, &predicted.cam_from_world, &predicted.matches);
         let widening = if predicted.without_motion_model { WIDENING_WITHOUT_MOTION } else { 1.0 };
-        let found = search(frame, map, &visible, &predicted.matches, params.local_radius_factor.max(widening));
+        let found =
+            search(frame, map, &visible, &predicted.matches, params.local_radius_factor.max(widening));
         let mut matches = predicted.matches.clone();
         matches.extend(found);
         matches.sort_unstable();
@@ -151,7 +152,7 @@ fn extend_with_neighbours(map: &Map, keyframes: &mut Vec<KeyframeId>, max: usize
         if keyframes.len() >= max {
             return;
         }
-        for id in neighbours(keyframe) {
+        for &(id, _) in keyframe.best_covisible(COVISIBLE_TRIED) {
             if add(keyframes, id) {
                 break;
             }
@@ -165,10 +166,6 @@ fn extend_with_neighbours(map: &Map, keyframes: &mut Vec<KeyframeId>, max: usize
             add(keyframes, parent);
         }
     }
-}
-
-fn neighbours(keyframe: &Keyframe) -> Vec<KeyframeId> {
-    keyframe.best_covisible(COVISIBLE_TRIED)
 }
 
 /// Matches of visible points with features that have none yet.
@@ -186,7 +183,8 @@ fn search(
     let queries: Vec<ProjectionQuery> = visible
         .iter()
         .filter_map(|(id, projection)| {
-            let radius = if projection.view_cos > HEAD_ON_COS { RADIUS_HEAD_ON_PX } else { RADIUS_OBLIQUE_PX };
+            let radius =
+                if projection.view_cos > HEAD_ON_COS { RADIUS_HEAD_ON_PX } else { RADIUS_OBLIQUE_PX };
             let scale = frame.scales.scales[projection.octave as usize];
             map.point(*id).map(|point| ProjectionQuery {
                 x: projection.u as f32,
@@ -202,7 +200,8 @@ fn search(
     let finds = search_windows(frame, &queries, &free);
     let accept = |find: &features::WindowMatch| {
         let ambiguous = find.second.is_some_and(|second| {
-            second.octave == find.best.octave && find.best.distance as f32 > MAX_RATIO * second.distance as f32
+            second.octave == find.best.octave
+                && find.best.distance as f32 > MAX_RATIO * second.distance as f32
         });
         find.best.distance <= MAX_DISTANCE_WIDE && !ambiguous
     };

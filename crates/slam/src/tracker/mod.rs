@@ -88,7 +88,7 @@ pub struct Tracked {
 pub struct Tracker {
     params: Params,
     last: Option<LastFrame>,
-    /// Motion of the last interval, `cam_now_from_cam_before`; `None` after a start or a loss.
+    /// Motion per frame interval, `cam_now_from_cam_before`; `None` after a start or a loss.
     velocity: Option<SE3>,
     /// Index of the frame that last became a keyframe.
     last_keyframe_index: u32,
@@ -102,7 +102,13 @@ impl Tracker {
 
     /// Finds the pose of `frame` in `map`. `mapper_idle` says whether mapping waits for work; it must depend on frame
     /// numbers only where a run has to be repeatable.
-    pub fn track(&mut self, frame: &Arc<Frame>, map: &Map, mapper_idle: bool, probe: &mut dyn Probe) -> Tracked {
+    pub fn track(
+        &mut self,
+        frame: &Arc<Frame>,
+        map: &Map,
+        mapper_idle: bool,
+        probe: &mut dyn Probe,
+    ) -> Tracked {
         let Some(last) = self.last.take().map(|last| last.refreshed(map)) else {
             return self.start(frame);
         };
@@ -118,8 +124,12 @@ impl Tracker {
             ..TrackStats::default()
         };
         let local = staged(probe, Stage::LocalMap, || {
-            LocalMap::gather(map, &predicted.matches, last.reference, &self.params.tracking)
-                .track(frame, map, &predicted, &self.params.tracking)
+            LocalMap::gather(map, &predicted.matches, last.reference, &self.params.tracking).track(
+                frame,
+                map,
+                &predicted,
+                &self.params.tracking,
+            )
         });
         stats.local_points = local.n_points;
         stats.visible = local.counts.iter().filter(|count| count.seen > 0).count();
@@ -129,9 +139,10 @@ impl Tracker {
         if stats.inliers < needed {
             return self.lose(last, Lost::TooFewLocalInliers { found: stats.inliers, needed });
         }
-        self.velocity = Some((local.cam_from_world * last_cam_from_world.inverse()).normalized());
-        let keyframe =
-            staged(probe, Stage::Decide, || self.decide_keyframe(frame, map, &local, mapper_idle)).map(|reason| {
+        let motion = (local.cam_from_world * last_cam_from_world.inverse()).normalized();
+        self.velocity = Some(predict::scaled(&motion, 1.0 / f64::from(last.intervals_to(frame))));
+        let keyframe = staged(probe, Stage::Decide, || self.decide_keyframe(frame, map, &local, mapper_idle))
+            .map(|reason| {
                 self.last_keyframe_index = frame.index;
                 KeyframeRequest {
                     frame: frame.clone(),
@@ -141,7 +152,8 @@ impl Tracker {
                     reason,
                 }
             });
-        self.last = Some(LastFrame::new(frame.clone(), local.reference, local.cam_from_reference, &local.matches));
+        self.last =
+            Some(LastFrame::new(frame.clone(), local.reference, local.cam_from_reference, &local.matches));
         Tracked {
             state: TrackState::Tracked,
             reference: Some(local.reference),

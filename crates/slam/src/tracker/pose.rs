@@ -29,6 +29,7 @@ pub(crate) fn refine(frame: &Frame, map: &Map, initial: SE3, matches: &[(u32, Po
         });
     }
     let solution = refine_pose(&frame.rig.stereo, initial, &observations, &PoseOptions::default());
-    let inliers = kept.iter().zip(&solution.inliers).filter(|(_, inlier)| **inlier).map(|(m, _)| *m).collect();
+    let inliers =
+        kept.iter().zip(&solution.inliers).filter(|(_, inlier)| **inlier).map(|(m, _)| *m).collect();
     RefinedPose { cam_from_world: solution.cam_from_world, inliers }
 }

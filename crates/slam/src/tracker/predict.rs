@@ -27,21 +27,24 @@ impl Tracker {
     /// Tries the ways of prediction in turn. The reason of the last refusal is returned if all fail.
     pub(super) fn predict(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Result<Prediction, Lost> {
         let last_cam_from_world = last.cam_from_world(map);
-        if let Some(velocity) = self.velocity
-            && let Some(pose) = self.predict_by_motion(frame, map, last, velocity * last_cam_from_world)
-        {
-            return Ok(Prediction::from_pose(pose, false));
-        }
-        if self.velocity.is_none()
-            && let Some(pose) = self.predict_by_motion(frame, map, last, last_cam_from_world)
-        {
+        let predicted = match self.velocity {
+            Some(velocity) => scaled(&velocity, f64::from(last.intervals_to(frame))) * last_cam_from_world,
+            None => last_cam_from_world,
+        };
+        if let Some(pose) = self.predict_by_motion(frame, map, last, predicted) {
             return Ok(Prediction::from_pose(pose, false));
         }
         recover::recover(frame, map, last, &self.params).map(|pose| Prediction::from_pose(pose, true))
     }
 
     /// Searches the last frame's points where the motion model puts them, in a window and then in twice the window.
-    fn predict_by_motion(&self, frame: &Frame, map: &Map, last: &LastFrame, predicted: SE3) -> Option<RefinedPose> {
+    fn predict_by_motion(
+        &self,
+        frame: &Frame,
+        map: &Map,
+        last: &LastFrame,
+        predicted: SE3,
+    ) -> Option<RefinedPose> {
         let tracking = &self.params.tracking;
         let matches = [1.0, 2.0].into_iter().find_map(|widening| {
             let matches = search_last(frame, map, last, &predicted, tracking.motion_radius_px * widening);
@@ -58,9 +61,20 @@ impl Prediction {
     }
 }
 
+/// The motion of `intervals` frames at a constant velocity.
+pub(super) fn scaled(velocity: &SE3, intervals: f64) -> SE3 {
+    if intervals == 1.0 { *velocity } else { SE3::exp(&(velocity.log() * intervals)) }
+}
+
 /// Matches of the last frame's points within `radius_px * scale` of their predicted positions. The octaves looked at
 /// depend on whether the camera moved forward, backward or neither by more than its baseline.
-fn search_last(frame: &Frame, map: &Map, last: &LastFrame, predicted: &SE3, radius_px: f32) -> Vec<(u32, PointId)> {
+fn search_last(
+    frame: &Frame,
+    map: &Map,
+    last: &LastFrame,
+    predicted: &SE3,
+    radius_px: f32,
+) -> Vec<(u32, PointId)> {
     let last_from_predicted = last.cam_from_world(map) * predicted.inverse();
     let forward_m = last_from_predicted.translation.z;
     let baseline_m = frame.rig.stereo.baseline_m;
@@ -69,7 +83,7 @@ fn search_last(frame: &Frame, map: &Map, last: &LastFrame, predicted: &SE3, radi
     let mut sources = Vec::with_capacity(last.matches.len());
     for &(feature, id) in &last.matches {
         let Some(point) = map.point(id) else { continue };
-        let Some((_, uvr)) = project_inside(frame, predicted, &point.position) else { continue };
+        let Some(uvr) = project_inside(frame, predicted, &point.position) else { continue };
         let octave = last.frame.keypoints[feature as usize].octave;
         let (min_octave, max_octave) = if forward_m > baseline_m {
             (octave, top)
@@ -95,7 +109,8 @@ fn search_last(frame: &Frame, map: &Map, last: &LastFrame, predicted: &SE3, radi
     let turns: Vec<f32> = pairs
         .iter()
         .map(|&(feature, query)| {
-            last.frame.keypoints[sources[query].0 as usize].angle_deg - frame.keypoints[feature as usize].angle_deg
+            last.frame.keypoints[sources[query].0 as usize].angle_deg
+                - frame.keypoints[feature as usize].angle_deg
         })
         .collect();
     let consistent = consistent_rotations(&turns);

@@ -21,7 +21,12 @@ const SEED_PURPOSE: u64 = 1;
 const CHI2: f64 = 5.991;
 
 /// Tries keyframes in turn; the first good pose is returned, else the best reason.
-pub(super) fn recover(frame: &Frame, map: &Map, last: &LastFrame, params: &Params) -> Result<RefinedPose, Lost> {
+pub(super) fn recover(
+    frame: &Frame,
+    map: &Map,
+    last: &LastFrame,
+    params: &Params,
+) -> Result<RefinedPose, Lost> {
     let tracking = &params.tracking;
     let mut most_matches = 0;
     let mut most_inliers = None;
@@ -51,7 +56,7 @@ fn candidates(map: &Map, reference: KeyframeId) -> Vec<KeyframeId> {
     let mut list = Vec::new();
     if let Some(keyframe) = map.keyframe(reference) {
         list.push(reference);
-        list.extend(keyframe.best_covisible(MAX_CANDIDATES - 2));
+        list.extend(keyframe.best_covisible(MAX_CANDIDATES - 2).iter().map(|&(id, _)| id));
     }
     if let Some(newest) = map.newest_keyframe()
         && !list.contains(&newest)

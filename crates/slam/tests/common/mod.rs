@@ -1,0 +1,129 @@
+//! A corridor of points with descriptors of their own: frames without images, for tests of the SLAM steps.
+
+use std::sync::Arc;
+
+use features::{Descriptor, Features, Frame, Keypoint, Rig, ScaleLevels};
+use geometry::{Distortion, Pinhole, SE3, SO3, StereoRig, Vec3, mix_seed};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use slam::{Mapper, NoProbe, Params, TrackState, Tracked, Tracker};
+
+pub(crate) const WIDTH: usize = 1241;
+pub(crate) const HEIGHT: usize = 376;
+
+/// A landmark with its appearance and the distance at which it is seen at octave 0.
+struct Landmark {
+    position: Vec3,
+    descriptor: Descriptor,
+    finest_m: f64,
+}
+
+pub(crate) struct World {
+    pub(crate) rig: Arc<Rig>,
+    scales: Arc<ScaleLevels>,
+    landmarks: Vec<Landmark>,
+    noise_px: f64,
+}
+
+impl World {
+    /// Two walls along z, 8 m to both sides, `length_m` long.
+    pub(crate) fn corridor(length_m: f64, noise_px: f64) -> Self {
+        let camera = Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 };
+        let stereo = StereoRig { camera, baseline_m: 0.5372 };
+        let rig = Arc::new(Rig { stereo, distortion: Distortion::default(), width: WIDTH, height: HEIGHT });
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let landmarks = (0..(length_m * 30.0) as usize)
+            .map(|_| {
+                let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+                let position = Vec3::new(
+                    side * rng.random_range(6.0..9.0),
+                    rng.random_range(-4.0..1.6),
+                    rng.random_range(-10.0..length_m),
+                );
+                Landmark {
+                    position,
+                    descriptor: Descriptor(rng.random()),
+                    finest_m: rng.random_range(4.0..25.0),
+                }
+            })
+            .collect();
+        World { rig, scales: Arc::new(ScaleLevels::new(8, 1.2)), landmarks, noise_px }
+    }
+
+    /// The frame seen from `world_from_cam`; noise and flipped bits depend on `index` only.
+    pub(crate) fn frame(&self, index: u32, world_from_cam: &SE3) -> Arc<Frame> {
+        let cam_from_world = world_from_cam.inverse();
+        let mut rng = ChaCha8Rng::seed_from_u64(mix_seed(3, u64::from(index), 0));
+        let mut features = Features::default();
+        let mut right_u = Vec::new();
+        for landmark in &self.landmarks {
+            let point = cam_from_world * landmark.position;
+            if point.z < 1.0 || point.z > 80.0 {
+                continue;
+            }
+            let uvr = self.rig.stereo.project(&point);
+            let octave =
+                ((landmark.finest_m / point.norm()).ln() / 1.2_f64.ln()).round().clamp(0.0, 7.0) as u8;
+            let sigma = self.noise_px * f64::from(self.scales.scales[usize::from(octave)]);
+            let mut noisy = |value: f64| (value + sigma * rng.random_range(-1.7..1.7)) as f32;
+            let (x, y, right) = (noisy(uvr.x), noisy(uvr.y), noisy(uvr.z));
+            if !(16.0..WIDTH as f32 - 16.0).contains(&x) || !(16.0..HEIGHT as f32 - 16.0).contains(&y) {
+                continue;
+            }
+            let mut descriptor = landmark.descriptor;
+            for _ in 0..12 {
+                descriptor.0[rng.random_range(0..4)] ^= 1 << rng.random_range(0..64);
+            }
+            features.keypoints.push(Keypoint { x, y, octave, angle_deg: 10.0, response: 50.0 });
+            features.descriptors.push(descriptor);
+            right_u.push(if right < x { right } else { f32::NAN });
+        }
+        let (rig, scales) = (self.rig.clone(), self.scales.clone());
+        Arc::new(Frame::new(index, f64::from(index) * 0.1, rig, scales, features, right_u))
+    }
+
+    /// A frame without a single feature.
+    pub(crate) fn black(&self, index: u32) -> Arc<Frame> {
+        let (rig, scales) = (self.rig.clone(), self.scales.clone());
+        Arc::new(Frame::new(index, f64::from(index) * 0.1, rig, scales, Features::default(), Vec::new()))
+    }
+}
+
+/// A gentle slalom down the corridor, 0.8 m per frame.
+pub(crate) fn slalom(i: u32) -> SE3 {
+    let z = 0.8 * f64::from(i);
+    let yaw = 0.05 * (z / 12.0).sin();
+    SE3::new(SO3::exp(&Vec3::new(0.0, yaw, 0.0)), Vec3::new(1.2 * (z / 25.0).sin(), 0.0, z))
+}
+
+/// Tracker and mapper taking turns, as in the sequential schedule.
+pub(crate) struct Pair {
+    pub(crate) tracker: Tracker,
+    pub(crate) mapper: Mapper,
+}
+
+impl Pair {
+    pub(crate) fn new(params: &Params) -> Self {
+        Pair { tracker: Tracker::new(params.clone()), mapper: Mapper::new(params.clone()) }
+    }
+
+    pub(crate) fn step(&mut self, frame: &Arc<Frame>) -> Tracked {
+        let tracked = self.tracker.track(frame, self.mapper.map(), true, &mut NoProbe);
+        self.mapper.count(&tracked.counts);
+        if let Some(request) = &tracked.keyframe {
+            let id = self.mapper.insert(request, &mut NoProbe).expect("the reference is in the map");
+            self.mapper.refine(id, &mut NoProbe);
+        }
+        tracked
+    }
+
+    /// Pose of a frame that was just tracked.
+    pub(crate) fn world_from_cam(&self, tracked: &Tracked) -> Option<SE3> {
+        if tracked.state == TrackState::Started {
+            return Some(SE3::identity());
+        }
+        let (alive, reference_from_alive) = self.mapper.map().resolve_keyframe(tracked.reference?)?;
+        let alive_from_world = self.mapper.map().keyframe(alive)?.cam_from_world;
+        Some((tracked.cam_from_reference * reference_from_alive * alive_from_world).inverse())
+    }
+}
