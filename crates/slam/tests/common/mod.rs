@@ -32,7 +32,7 @@ impl World {
         let stereo = StereoRig { camera, baseline_m: 0.5372 };
         let rig = Arc::new(Rig { stereo, distortion: Distortion::default(), width: WIDTH, height: HEIGHT });
         let mut rng = ChaCha8Rng::seed_from_u64(7);
-        let landmarks = (0..(length_m * 30.0) as usize)
+        let landmarks = (0..(length_m * 60.0) as usize)
             .map(|_| {
                 let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
                 let position = Vec3::new(
