@@ -1,1 +1,39 @@
 //! ORB features, stereo and depth association, descriptor matching.
+//!
+//! Start reading at [`FrameBuilder`] (images to a [`Frame`]), then [`Extractor`] (one image to [`Features`]) and
+//! [`search_window`] (a predicted position to a feature).
+
+mod brute_force;
+mod builder;
+mod depth;
+mod descriptor;
+mod detect;
+mod epipolar;
+mod extractor;
+mod frame;
+mod grid;
+mod kernels;
+mod keypoint;
+mod pattern;
+mod plane;
+mod pyramid;
+mod quadtree;
+mod rotation;
+mod scales;
+mod stereo;
+mod window;
+
+pub use brute_force::match_brute_force;
+pub use builder::FrameBuilder;
+pub use depth::DepthConfig;
+pub use descriptor::Descriptor;
+pub use epipolar::{EpipolarRange, search_epipolar, search_epipolar_all};
+pub use extractor::Extractor;
+pub use frame::{Bounds, Frame, Rig};
+pub use keypoint::{ExtractorConfig, Features, Keypoint};
+pub use plane::Plane;
+pub use pyramid::Pyramid;
+pub use rotation::consistent_rotations;
+pub use scales::{ScaleLevels, level_quotas};
+pub use stereo::StereoConfig;
+pub use window::{Candidate, ProjectionQuery, WindowMatch, search_window, search_windows};

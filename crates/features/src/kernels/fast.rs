@@ -1,0 +1,95 @@
+//! FAST-9/16 corner scores (Rosten and Drummond, ECCV 2006) of whole rows.
+//!
+//! The score of a pixel is the largest threshold for which it is a corner: with the saturated differences of the 16 ring
+//! pixels to the centre, the largest over the 16 arcs of the least difference in the arc, minus one.
+
+use crate::kernels::Simd;
+
+/// Radius of the ring in pixels.
+pub(crate) const RADIUS: usize = 3;
+/// The ring, clockwise from the top: `(dx + 3, dy + 3)`.
+pub(crate) const RING: [(usize, usize); 16] = [
+    (3, 0),
+    (4, 0),
+    (5, 1),
+    (6, 2),
+    (6, 3),
+    (6, 4),
+    (5, 5),
+    (4, 6),
+    (3, 6),
+    (2, 6),
+    (1, 5),
+    (0, 4),
+    (0, 3),
+    (0, 2),
+    (1, 1),
+    (2, 0),
+];
+
+/// Writes the scores of the pixels `first..end` of the middle of seven successive rows to `scores[first..end]`: 0 below
+/// `threshold` (at least 1). Places up to 32 behind `end` are overwritten with 0.
+pub(crate) fn score_row(
+    simd: Simd,
+    rows: &[&[u8]; 7],
+    first: usize,
+    end: usize,
+    threshold: u8,
+    scores: &mut [u8],
+) {
+    let _ = simd;
+    for (x, score) in (first..end).zip(&mut scores[first..end]) {
+        let value = score_at(rows, x);
+        *score = if value >= threshold { value } else { 0 };
+    }
+}
+
+/// The score of one pixel of the middle row; 0 where it is no corner for any threshold.
+pub(crate) fn score_at(rows: &[&[u8]; 7], x: usize) -> u8 {
+    let centre = rows[RADIUS][x];
+    let ring = RING.map(|(dx, dy)| rows[dy][x + dx - RADIUS]);
+    let bright = best_arc(&ring.map(|p| p.saturating_sub(centre)));
+    let dark = best_arc(&ring.map(|p| centre.saturating_sub(p)));
+    bright.max(dark).saturating_sub(1)
+}
+
+/// The largest over all arcs of nine of the least value in the arc.
+fn best_arc(differences: &[u8; 16]) -> u8 {
+    let mut best = 0;
+    for start in 0..16 {
+        let least = (0..9).map(|i| differences[(start + i) % 16]).min().unwrap_or(0);
+        best = best.max(least);
+    }
+    best
+}
+
+/// Calls `found(x, score)`, from left to right, for the pixels `first..end` of the middle row whose score is above zero
+/// and above that of all eight neighbours.
+pub(crate) fn local_maxima(
+    simd: Simd,
+    [above, middle, below]: [&[u8]; 3],
+    first: usize,
+    end: usize,
+    mut found: impl FnMut(usize, u8),
+) {
+    let _ = simd;
+    for x in first..end {
+        let score = middle[x];
+        if score == 0 {
+            continue;
+        }
+        let around = [
+            above[x - 1],
+            above[x],
+            above[x + 1],
+            middle[x - 1],
+            middle[x + 1],
+            below[x - 1],
+            below[x],
+            below[x + 1],
+        ];
+        if around.iter().all(|&other| score > other) {
+            found(x, score);
+        }
+    }
+}
