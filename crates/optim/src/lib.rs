@@ -1,1 +1,18 @@
-//! Least squares on plain problems: pose and bundle adjustment.
+//! Least squares on plain problems: the pose of one frame ([`refine_pose`]) and bundle adjustment ([`refine_bundle`]).
+//!
+//! Both are Levenberg-Marquardt with Huber's loss. Nothing here knows of maps, key-frames or threads: a caller collects a
+//! problem into plain vectors, solves it and writes the answer back. Equal input gives equal bits.
+
+mod bundle;
+mod pose;
+mod report;
+mod robust;
+mod simd;
+
+pub use bundle::model::{Linearization, ObservationModel, Point};
+pub use bundle::rig::{RigCamera, RigModel, RigObservation};
+pub use bundle::solver::{Edge, Graph, Minimum, minimize};
+pub use bundle::{BundleObservation, BundleOptions, BundleProblem, BundleSolution, refine_bundle};
+pub use pose::{PoseObservation, PoseOptions, PoseSolution, refine_pose};
+pub use report::{Report, StopReason};
+pub use robust::{CHI2_MONO, CHI2_STEREO, Loss};

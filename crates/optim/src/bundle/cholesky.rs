@@ -1,0 +1,200 @@
+//! Sparse Cholesky factorisation in dense blocks, one block row per free camera.
+
+use crate::simd::{Kernel, Lanes};
+
+/// A symmetric positive definite matrix of CxC blocks: lower triangle by columns, factored in place.
+pub(crate) struct BlockCholesky<const C: usize> {
+    /// Start of each column in `rows` and `blocks`.
+    start: Vec<usize>,
+    /// Block row of each block, ascending, the diagonal first.
+    rows: Vec<u32>,
+    /// Row-major blocks; of the diagonal ones only the lower triangle counts.
+    pub(crate) blocks: Vec<[[f64; C]; C]>,
+    /// Inverse of the factor's diagonal.
+    inv_diagonal: Vec<[f64; C]>,
+}
+
+impl<const C: usize> BlockCholesky<C> {
+    /// Zero matrix with the given rows per column (closed under fill).
+    pub(crate) fn new(columns: &[Vec<u32>]) -> Self {
+        let mut start = Vec::with_capacity(columns.len() + 1);
+        start.push(0);
+        for column in columns {
+            start.push(start[start.len() - 1] + column.len());
+        }
+        let rows = columns.concat();
+        let blocks = vec![[[0.0; C]; C]; rows.len()];
+        Self { start, rows, blocks, inv_diagonal: vec![[0.0; C]; columns.len()] }
+    }
+
+    /// Number of block rows.
+    pub(crate) fn n(&self) -> usize {
+        self.inv_diagonal.len()
+    }
+
+    /// Index of the diagonal block of a column.
+    #[inline(always)]
+    pub(crate) fn diagonal(&self, column: usize) -> usize {
+        self.start[column]
+    }
+
+    /// Indices of the blocks of a column, and their rows.
+    pub(crate) fn column(&self, column: usize) -> (std::ops::Range<usize>, &[u32]) {
+        let range = self.start[column]..self.start[column + 1];
+        (range.clone(), &self.rows[range])
+    }
+
+    /// Replaces the matrix by its factor; `false` when it is not positive definite.
+    pub(crate) fn factor(&mut self, lanes: Lanes) -> bool {
+        lanes.run(Factor(self))
+    }
+
+    /// Replaces the right-hand side by the solution.
+    pub(crate) fn solve(&self, x: &mut [[f64; C]]) {
+        for k in 0..self.n() {
+            let xk = self.solve_lower(k, &x[k]);
+            x[k] = xk;
+            for b in self.start[k] + 1..self.start[k + 1] {
+                let (block, target) = (&self.blocks[b], &mut x[self.rows[b] as usize]);
+                for r in 0..C {
+                    for c in 0..C {
+                        target[r] -= block[r][c] * xk[c];
+                    }
+                }
+            }
+        }
+        for k in (0..self.n()).rev() {
+            let mut xk = x[k];
+            for b in self.start[k] + 1..self.start[k + 1] {
+                let (block, other) = (&self.blocks[b], &x[self.rows[b] as usize]);
+                for r in 0..C {
+                    for c in 0..C {
+                        xk[c] -= block[r][c] * other[r];
+                    }
+                }
+            }
+            x[k] = self.solve_upper(k, &xk);
+        }
+    }
+
+    #[inline(always)]
+    fn solve_lower(&self, column: usize, b: &[f64; C]) -> [f64; C] {
+        let (l, inv) = (&self.blocks[self.start[column]], &self.inv_diagonal[column]);
+        let mut x = *b;
+        for c in 0..C {
+            x[c] *= inv[c];
+            for r in c + 1..C {
+                x[r] -= l[r][c] * x[c];
+            }
+        }
+        x
+    }
+
+    #[inline(always)]
+    fn solve_upper(&self, column: usize, b: &[f64; C]) -> [f64; C] {
+        let (l, inv) = (&self.blocks[self.start[column]], &self.inv_diagonal[column]);
+        let mut x = *b;
+        for r in (0..C).rev() {
+            x[r] *= inv[r];
+            for c in 0..r {
+                x[c] -= l[r][c] * x[r];
+            }
+        }
+        x
+    }
+}
+
+struct Factor<'a, const C: usize>(&'a mut BlockCholesky<C>);
+
+impl<const C: usize> Kernel for Factor<'_, C> {
+    type Output = bool;
+
+    /// Right-looking: factor a column, subtract its outer product from the columns to the right.
+    #[inline(always)]
+    fn run(self) -> bool {
+        let matrix = self.0;
+        for k in 0..matrix.n() {
+            let (first, end) = (matrix.start[k], matrix.start[k + 1]);
+            let Some(inv) = factor_diagonal(&mut matrix.blocks[first]) else { return false };
+            matrix.inv_diagonal[k] = inv;
+            let l = matrix.blocks[first];
+            for block in &mut matrix.blocks[first + 1..end] {
+                divide_by_transpose(block, &l, &inv);
+            }
+            for j in first + 1..end {
+                let l_j = transposed(&matrix.blocks[j]);
+                let mut target = matrix.start[matrix.rows[j] as usize];
+                for i in j..end {
+                    while matrix.rows[target] != matrix.rows[i] {
+                        target += 1;
+                    }
+                    let l_i = matrix.blocks[i];
+                    subtract_product(&mut matrix.blocks[target], &l_i, &l_j);
+                }
+            }
+        }
+        true
+    }
+}
+
+#[inline(always)]
+fn transposed<const C: usize>(a: &[[f64; C]; C]) -> [[f64; C]; C] {
+    std::array::from_fn(|r| std::array::from_fn(|c| a[c][r]))
+}
+
+/// `target -= a * b`.
+#[inline(always)]
+fn subtract_product<const C: usize>(target: &mut [[f64; C]; C], a: &[[f64; C]; C], b: &[[f64; C]; C]) {
+    for r in 0..C {
+        let mut row = target[r];
+        for k in 0..C {
+            for c in 0..C {
+                row[c] -= a[r][k] * b[k][c];
+            }
+        }
+        target[r] = row;
+    }
+}
+
+/// Lower Cholesky factor of a diagonal block in place; returns the inverse diagonal.
+#[inline(always)]
+fn factor_diagonal<const C: usize>(a: &mut [[f64; C]; C]) -> Option<[f64; C]> {
+    let mut inv = [0.0; C];
+    for c in 0..C {
+        let mut pivot = a[c][c];
+        for k in 0..c {
+            pivot -= a[c][k] * a[c][k];
+        }
+        if !(pivot > 0.0 && pivot < f64::INFINITY) {
+            return None;
+        }
+        let root = pivot.sqrt();
+        a[c][c] = root;
+        inv[c] = 1.0 / root;
+        for r in c + 1..C {
+            let mut sum = a[r][c];
+            for k in 0..c {
+                sum -= a[r][k] * a[c][k];
+            }
+            a[r][c] = sum * inv[c];
+        }
+    }
+    Some(inv)
+}
+
+/// `block <- block * l^-T`.
+#[inline(always)]
+fn divide_by_transpose<const C: usize>(block: &mut [[f64; C]; C], l: &[[f64; C]; C], inv: &[f64; C]) {
+    let mut columns = transposed(block);
+    for c in 0..C {
+        for k in 0..c {
+            for r in 0..C {
+                columns[c][r] -= l[c][k] * columns[k][r];
+            }
+        }
+        for r in 0..C {
+            columns[c][r] *= inv[c];
+        }
+    }
+    *block = transposed(&columns);
+}

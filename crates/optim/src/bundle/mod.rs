@@ -1,0 +1,127 @@
+//! Bundle adjustment of the rig: poses and points from pixel measurements.
+
+pub(crate) mod cholesky;
+pub(crate) mod model;
+pub(crate) mod ordering;
+pub(crate) mod rig;
+pub(crate) mod schur;
+pub(crate) mod solver;
+pub(crate) mod structure;
+
+use geometry::{SE3, StereoRig, Vec2, Vec3};
+
+use crate::report::Report;
+use crate::robust::BEHIND_CHI_SQ;
+use model::ObservationModel;
+use rig::{RigCamera, RigModel, RigObservation};
+use solver::{Edge, Graph, minimize};
+
+/// A measurement of a point in a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BundleObservation {
+    /// Index into [`BundleProblem::cameras`].
+    pub camera: u32,
+    /// Index into [`BundleProblem::points`].
+    pub point: u32,
+    /// Undistorted pixel in the left image.
+    pub pixel: Vec2,
+    /// Column in the rectified right image; NaN: none (monocular).
+    pub right_u: f64,
+    /// Inverse variance of each coordinate, 1/px^2.
+    pub inv_sigma_sq: f64,
+}
+
+/// A bundle adjustment problem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BundleProblem {
+    /// The rig shared by all cameras.
+    pub rig: StereoRig,
+    /// Initial poses, cam_from_world.
+    pub cameras: Vec<SE3>,
+    /// Per camera whether it must not move.
+    pub fixed: Vec<bool>,
+    /// Initial points in the world, metres.
+    pub points: Vec<Vec3>,
+    /// Measurements in any order.
+    pub observations: Vec<BundleObservation>,
+}
+
+/// How to solve a [`BundleProblem`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BundleOptions {
+    /// Limit on linear systems solved.
+    pub max_iterations: usize,
+    /// Huber's loss with delta^2 = [`crate::CHI2_MONO`] or [`crate::CHI2_STEREO`]; else plain squares.
+    pub robust: bool,
+    /// Stop once a step changes the cost by less than this part of it.
+    pub relative_tolerance: f64,
+    /// Levenberg-Marquardt damping of the first step, relative to the diagonal of the normal equations.
+    pub initial_damping: f64,
+}
+
+impl Default for BundleOptions {
+    fn default() -> Self {
+        Self { max_iterations: 10, robust: true, relative_tolerance: 1e-6, initial_damping: 1e-4 }
+    }
+}
+
+/// A solved [`BundleProblem`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct BundleSolution {
+    /// Poses, cam_from_world; fixed ones unchanged.
+    pub cameras: Vec<SE3>,
+    /// Points in the world, metres.
+    pub points: Vec<Vec3>,
+    /// Whitened squared error per observation, in input order; a large constant where the point is behind the camera.
+    pub chi_sq: Vec<f64>,
+    /// Per observation whether its point lies in front of its camera.
+    pub in_front: Vec<bool>,
+    /// How the solve went.
+    pub report: Report,
+}
+
+/// Minimises the reprojection errors over all points and free cameras (local and global bundle adjustment).
+///
+/// Without a fixed camera the damping holds the gauge; a point that its observations do not determine moves only in the
+/// directions that they do; a point or camera without observation stays.
+///
+/// # Panics
+/// When an observation names a camera or point that does not exist, or `fixed` has another length than `cameras`.
+pub fn refine_bundle(problem: &BundleProblem, options: &BundleOptions) -> BundleSolution {
+    let model = RigModel::new(&problem.rig);
+    let edges = problem.observations.iter().map(|o| Edge {
+        camera: o.camera,
+        point: o.point,
+        observation: RigObservation::new(o.pixel.x, o.pixel.y, o.right_u, o.inv_sigma_sq),
+    });
+    let graph = Graph {
+        cameras: problem.cameras.iter().map(|&pose| RigCamera::new(pose)).collect(),
+        fixed: problem.fixed.clone(),
+        points: problem.points.iter().map(|&p| p.into()).collect(),
+        edges: edges.clone().collect(),
+    };
+    let minimum = minimize::<_, 6>(&model, graph, options);
+    let mut chi_sq = Vec::with_capacity(edges.len());
+    let mut in_front = Vec::with_capacity(edges.len());
+    let mut n_inliers = 0;
+    for Edge { camera, point, observation } in edges {
+        let (camera, point) = (&minimum.cameras[camera as usize], &minimum.points[point as usize]);
+        let error = model.chi_sq(camera, point, &observation).unwrap_or(BEHIND_CHI_SQ);
+        n_inliers += usize::from(error <= observation.chi_sq_limit());
+        chi_sq.push(error);
+        in_front.push(camera.is_in_front(point));
+    }
+    BundleSolution {
+        cameras: minimum.cameras.iter().map(|camera| camera.cam_from_world).collect(),
+        points: minimum.points.iter().map(|&p| Vec3::from(p)).collect(),
+        chi_sq,
+        in_front,
+        report: Report {
+            initial_cost: minimum.initial_cost,
+            final_cost: minimum.final_cost,
+            iterations: minimum.iterations,
+            n_inliers,
+            stop: minimum.stop,
+        },
+    }
+}

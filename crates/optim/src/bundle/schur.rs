@@ -1,0 +1,325 @@
+//! Linearises a problem point by point, eliminates each point at once (Schur complement) and solves for the cameras.
+//!
+//! With damped point block V = L L^T and camera-point blocks W, Z = W L^-T gives the reduced system
+//! (U + damping - Z Z^T) dx = -g_c - Z y, y = -L^-1 g_p, and the point step dp = L^-T (y - Z^T dx).
+//! (Triggs et al. 2000, section 6; each point's blocks stay in the first cache level.)
+
+use super::cholesky::BlockCholesky;
+use super::model::{Linearization, ObservationModel, Point};
+use super::structure::{NONE, Structure};
+use crate::robust::{BEHIND_CHI_SQ, Loss};
+use crate::simd::{Kernel, Lanes};
+
+/// Range of the damping's diagonal, so that unobserved directions stay solvable.
+const MIN_DIAGONAL: f64 = 1e-6;
+const MAX_DIAGONAL: f64 = 1e32;
+/// A pivot this small against its diagonal holds no information: the point stays where it is.
+const MIN_PIVOT_RATIO: f64 = 1e-13;
+
+/// Cameras and points under estimation.
+#[derive(Clone)]
+pub(crate) struct Estimate<K> {
+    pub(crate) cameras: Vec<K>,
+    pub(crate) points: Vec<Point>,
+}
+
+/// Cholesky factor of one point's block.
+#[derive(Clone, Copy, Default)]
+struct PointFactor {
+    /// L below the diagonal: 10, 20, 21.
+    lower: [f64; 3],
+    /// Inverse of its diagonal; all zero freezes the point.
+    inv_diagonal: [f64; 3],
+    /// -L^-1 times the point's gradient.
+    y: [f64; 3],
+    gradient: [f64; 3],
+    /// Damping added to the diagonal.
+    damping: [f64; 3],
+}
+
+/// The damped normal equations of a problem and their solution.
+pub(crate) struct System<O, const C: usize> {
+    structure: Structure<O>,
+    matrix: BlockCholesky<C>,
+    /// Per elimination position: camera block, its gradient and damping, and the right-hand side that becomes the step.
+    camera_block: Vec<[[f64; C]; C]>,
+    gradient: Vec<[f64; C]>,
+    damping: Vec<[f64; C]>,
+    step: Vec<[f64; C]>,
+    /// Z^T per slot, one row per point coordinate.
+    z: Vec<[[f64; C]; 3]>,
+    points: Vec<PointFactor>,
+    lanes: Lanes,
+}
+
+impl<O: Copy, const C: usize> System<O, C> {
+    /// All buffers for a problem.
+    pub(crate) fn new(structure: Structure<O>, matrix: BlockCholesky<C>, lanes: Lanes) -> Self {
+        let n = matrix.n();
+        Self {
+            camera_block: vec![[[0.0; C]; C]; n],
+            gradient: vec![[0.0; C]; n],
+            damping: vec![[0.0; C]; n],
+            step: vec![[0.0; C]; n],
+            z: vec![[[0.0; C]; 3]; structure.slot_position.len()],
+            points: vec![PointFactor::default(); structure.point_edges.len() - 1],
+            structure,
+            matrix,
+            lanes,
+        }
+    }
+
+    /// Half the sum of the robust squared errors.
+    pub(crate) fn cost<M>(&self, model: &M, at: &Estimate<M::Camera>, loss: Loss) -> f64
+    where
+        M: ObservationModel<C, Observation = O>,
+    {
+        self.lanes.run(Cost { structure: &self.structure, model, at, loss })
+    }
+
+    /// Builds the reduced camera system at `at`.
+    pub(crate) fn linearize<M>(&mut self, model: &M, at: &Estimate<M::Camera>, loss: Loss, lambda: f64)
+    where
+        M: ObservationModel<C, Observation = O>,
+    {
+        let lanes = self.lanes;
+        lanes.run(Linearize { system: self, model, at, loss, lambda });
+    }
+
+    /// Solves the system and writes the stepped estimate to `to`; returns the decrease of cost that the quadratic model
+    /// predicts, or `None` where the system is not positive definite.
+    pub(crate) fn solve_step<M>(
+        &mut self,
+        model: &M,
+        from: &Estimate<M::Camera>,
+        to: &mut Estimate<M::Camera>,
+    ) -> Option<f64>
+    where
+        M: ObservationModel<C, Observation = O>,
+    {
+        if !self.matrix.factor(self.lanes) {
+            return None;
+        }
+        self.matrix.solve(&mut self.step);
+        let mut predicted = 0.0;
+        for ((step, damping), gradient) in self.step.iter().zip(&self.damping).zip(&self.gradient) {
+            for i in 0..C {
+                predicted += 0.5 * step[i] * (damping[i] * step[i] - gradient[i]);
+            }
+        }
+        for (camera, &position) in self.structure.position.iter().enumerate() {
+            if position != NONE {
+                to.cameras[camera] = model.moved(&from.cameras[camera], &self.step[position as usize]);
+            }
+        }
+        predicted += self.lanes.run(BackSubstitute { system: self, from: &from.points, to: &mut to.points });
+        Some(predicted)
+    }
+}
+
+struct Cost<'a, M: ObservationModel<C>, const C: usize> {
+    structure: &'a Structure<M::Observation>,
+    model: &'a M,
+    at: &'a Estimate<M::Camera>,
+    loss: Loss,
+}
+
+impl<M: ObservationModel<C>, const C: usize> Kernel for Cost<'_, M, C> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let mut sum = 0.0;
+        for (point, range) in self.structure.point_edges.windows(2).enumerate() {
+            let x = &self.at.points[point];
+            for edge in &self.structure.edges[range[0] as usize..range[1] as usize] {
+                let camera = &self.at.cameras[edge.camera as usize];
+                let chi_sq = self.model.chi_sq(camera, x, &edge.observation).unwrap_or(BEHIND_CHI_SQ);
+                sum += self.loss.rho(chi_sq, self.model.delta_sq(&edge.observation));
+            }
+        }
+        0.5 * sum
+    }
+}
+
+struct Linearize<'a, M: ObservationModel<C>, const C: usize> {
+    system: &'a mut System<M::Observation, C>,
+    model: &'a M,
+    at: &'a Estimate<M::Camera>,
+    loss: Loss,
+    lambda: f64,
+}
+
+impl<M: ObservationModel<C>, const C: usize> Kernel for Linearize<'_, M, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { system, model, at, loss, lambda } = self;
+        system.matrix.blocks.fill([[0.0; C]; C]);
+        system.camera_block.fill([[0.0; C]; C]);
+        system.gradient.fill([0.0; C]);
+        system.step.fill([0.0; C]);
+        for point in 0..system.points.len() {
+            let (block, gradient) = gather_point(system, model, at, loss, point);
+            let factor = factor_point(&block, &gradient, lambda);
+            system.points[point] = factor;
+            eliminate_point(system, &factor, point);
+        }
+        for position in 0..system.matrix.n() {
+            let diagonal = system.matrix.diagonal(position);
+            let (block, target) = (&system.camera_block[position], &mut system.matrix.blocks[diagonal]);
+            for r in 0..C {
+                for c in 0..C {
+                    target[r][c] += block[r][c];
+                }
+                let damping = lambda * block[r][r].clamp(MIN_DIAGONAL, MAX_DIAGONAL);
+                system.damping[position][r] = damping;
+                target[r][r] += damping;
+                system.step[position][r] -= system.gradient[position][r];
+            }
+        }
+    }
+}
+
+/// Sums the blocks of a point's observations: camera parts into the system, W^T into `z`, the point's own are returned.
+#[inline(always)]
+fn gather_point<M: ObservationModel<C>, const C: usize>(
+    system: &mut System<M::Observation, C>,
+    model: &M,
+    at: &Estimate<M::Camera>,
+    loss: Loss,
+    point: usize,
+) -> ([f64; 6], [f64; 3]) {
+    let structure = &system.structure;
+    let slots = structure.point_slots[point] as usize..structure.point_slots[point + 1] as usize;
+    system.z[slots].fill([[0.0; C]; 3]);
+    let mut block = [0.0; 6];
+    let mut gradient = [0.0; 3];
+    let edges = structure.point_edges[point] as usize..structure.point_edges[point + 1] as usize;
+    for edge in &structure.edges[edges] {
+        let camera = &at.cameras[edge.camera as usize];
+        let Some(lin) = model.linearize(camera, &at.points[point], &edge.observation, loss) else { continue };
+        let Linearization { camera_camera, point_camera, point_point, camera_gradient, point_gradient } = lin;
+        for i in 0..6 {
+            block[i] += point_point[i];
+        }
+        for i in 0..3 {
+            gradient[i] += point_gradient[i];
+        }
+        if edge.slot == NONE {
+            continue;
+        }
+        let position = structure.slot_position[edge.slot as usize] as usize;
+        let (z, u) = (&mut system.z[edge.slot as usize], &mut system.camera_block[position]);
+        for r in 0..3 {
+            for c in 0..C {
+                z[r][c] += point_camera[r][c];
+            }
+        }
+        for r in 0..C {
+            for c in 0..C {
+                u[r][c] += camera_camera[r][c];
+            }
+            system.gradient[position][r] += camera_gradient[r];
+        }
+    }
+    (block, gradient)
+}
+
+/// Damps and factors a point's block.
+#[inline(always)]
+fn factor_point(block: &[f64; 6], gradient: &[f64; 3], lambda: f64) -> PointFactor {
+    let [b00, b10, b11, b20, b21, b22] = *block;
+    let damping = [b00, b11, b22].map(|d| lambda * d.clamp(MIN_DIAGONAL, MAX_DIAGONAL));
+    let (d0, d1, d2) = (b00 + damping[0], b11 + damping[1], b22 + damping[2]);
+    let i0 = 1.0 / d0.sqrt();
+    let (l10, l20) = (b10 * i0, b20 * i0);
+    let p1 = d1 - l10 * l10;
+    let i1 = 1.0 / p1.sqrt();
+    let l21 = (b21 - l20 * l10) * i1;
+    let p2 = d2 - l20 * l20 - l21 * l21;
+    let i2 = 1.0 / p2.sqrt();
+    if !(p1 > MIN_PIVOT_RATIO * d1 && p2 > MIN_PIVOT_RATIO * d2) {
+        return PointFactor::default();
+    }
+    let y0 = -gradient[0] * i0;
+    let y1 = (-gradient[1] - l10 * y0) * i1;
+    let y2 = (-gradient[2] - l20 * y0 - l21 * y1) * i2;
+    PointFactor {
+        lower: [l10, l20, l21],
+        inv_diagonal: [i0, i1, i2],
+        y: [y0, y1, y2],
+        gradient: *gradient,
+        damping,
+    }
+}
+
+/// Turns W into Z and subtracts Z Z^T and Z y from the reduced system.
+#[inline(always)]
+fn eliminate_point<O, const C: usize>(system: &mut System<O, C>, factor: &PointFactor, point: usize) {
+    let structure = &system.structure;
+    let (first, end) = (structure.point_slots[point] as usize, structure.point_slots[point + 1] as usize);
+    let ([l10, l20, l21], [i0, i1, i2], y) = (factor.lower, factor.inv_diagonal, &factor.y);
+    for slot in first..end {
+        let [z0, z1, z2] = &mut system.z[slot];
+        let rhs = &mut system.step[structure.slot_position[slot] as usize];
+        for c in 0..C {
+            z0[c] *= i0;
+            z1[c] = (z1[c] - l10 * z0[c]) * i1;
+            z2[c] = (z2[c] - l20 * z0[c] - l21 * z1[c]) * i2;
+            rhs[c] -= z0[c] * y[0] + z1[c] * y[1] + z2[c] * y[2];
+        }
+    }
+    let z = &system.z[first..end];
+    for a in 0..z.len() {
+        let pairs = &structure.pair_block[structure.slot_pairs[first + a] as usize..][..z.len() - a];
+        let za = &z[a];
+        for (zb, &pair) in z[a..].iter().zip(pairs) {
+            let block = &mut system.matrix.blocks[pair as usize];
+            for r in 0..C {
+                for c in 0..C {
+                    block[r][c] -= zb[0][r] * za[0][c] + zb[1][r] * za[1][c] + zb[2][r] * za[2][c];
+                }
+            }
+        }
+    }
+}
+
+struct BackSubstitute<'a, O, const C: usize> {
+    system: &'a System<O, C>,
+    from: &'a [Point],
+    to: &'a mut [Point],
+}
+
+impl<O, const C: usize> Kernel for BackSubstitute<'_, O, C> {
+    type Output = f64;
+
+    /// Steps all points; returns their part of the predicted decrease.
+    #[inline(always)]
+    fn run(self) -> f64 {
+        let Self { system, from, to } = self;
+        let structure = &system.structure;
+        let mut predicted = 0.0;
+        for (point, factor) in system.points.iter().enumerate() {
+            let mut rest = factor.y;
+            for slot in structure.point_slots[point] as usize..structure.point_slots[point + 1] as usize {
+                let (z, dx) = (&system.z[slot], &system.step[structure.slot_position[slot] as usize]);
+                for c in 0..C {
+                    for k in 0..3 {
+                        rest[k] -= z[k][c] * dx[c];
+                    }
+                }
+            }
+            let ([l10, l20, l21], [i0, i1, i2]) = (factor.lower, factor.inv_diagonal);
+            let d2 = rest[2] * i2;
+            let d1 = (rest[1] - l21 * d2) * i1;
+            let d0 = (rest[0] - l10 * d1 - l20 * d2) * i0;
+            for (k, d) in [d0, d1, d2].into_iter().enumerate() {
+                to[point][k] = from[point][k] + d;
+                predicted += 0.5 * d * (factor.damping[k] * d - factor.gradient[k]);
+            }
+        }
+        predicted
+    }
+}

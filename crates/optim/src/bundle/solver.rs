@@ -1,0 +1,163 @@
+//! Levenberg-Marquardt over cameras and points, for any camera model.
+
+use super::BundleOptions;
+use super::model::{ObservationModel, Point};
+use super::schur::{Estimate, System};
+use super::structure::Structure;
+use crate::report::StopReason;
+use crate::robust::Loss;
+use crate::simd::Lanes;
+
+/// Damping is kept within these bounds; at the upper one no step is left to try.
+const MIN_DAMPING: f64 = 1e-12;
+const MAX_DAMPING: f64 = 1e12;
+
+/// One observation of a point by a camera.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge<O> {
+    /// Index of the camera.
+    pub camera: u32,
+    /// Index of the point.
+    pub point: u32,
+    /// The measurement.
+    pub observation: O,
+}
+
+/// A bundle adjustment problem for any camera model.
+#[derive(Clone, Debug)]
+pub struct Graph<K, O> {
+    /// Initial cameras.
+    pub cameras: Vec<K>,
+    /// Per camera whether it must not move.
+    pub fixed: Vec<bool>,
+    /// Initial points.
+    pub points: Vec<Point>,
+    /// Observations in any order.
+    pub edges: Vec<Edge<O>>,
+}
+
+/// Where [`minimize`] ended.
+#[derive(Clone, Debug)]
+pub struct Minimum<K> {
+    /// Cameras at the end.
+    pub cameras: Vec<K>,
+    /// Points at the end.
+    pub points: Vec<Point>,
+    /// Half the sum of robust squared errors at the start.
+    pub initial_cost: f64,
+    /// The same at the end.
+    pub final_cost: f64,
+    /// Linear systems solved.
+    pub iterations: usize,
+    /// Why it stopped.
+    pub stop: StopReason,
+}
+
+/// Minimises half the sum of (robust) squared errors over all points and free cameras.
+///
+/// Levenberg-Marquardt with Marquardt's diagonal scaling and Nielsen's gain-ratio damping (Madsen, Nielsen, Tingleff,
+/// "Methods for non-linear least squares problems", 2004, section 3.2). Observations that their camera cannot evaluate count
+/// a constant.
+///
+/// # Panics
+/// When an edge names a camera or point that does not exist, or `fixed` has another length than `cameras`.
+pub fn minimize<M, const C: usize>(
+    model: &M,
+    graph: Graph<M::Camera, M::Observation>,
+    options: &BundleOptions,
+) -> Minimum<M::Camera>
+where
+    M: ObservationModel<C>,
+{
+    minimize_with(model, graph, options, Lanes::detect())
+}
+
+/// [`minimize`] with given instructions.
+pub(crate) fn minimize_with<M, const C: usize>(
+    model: &M,
+    graph: Graph<M::Camera, M::Observation>,
+    options: &BundleOptions,
+    lanes: Lanes,
+) -> Minimum<M::Camera>
+where
+    M: ObservationModel<C>,
+{
+    assert_eq!(graph.cameras.len(), graph.fixed.len(), "one `fixed` flag per camera");
+    let loss = if options.robust { Loss::Huber } else { Loss::Squared };
+    let (structure, matrix) = Structure::new::<C>(&graph.fixed, graph.points.len(), &graph.edges);
+    let mut system = System::new(structure, matrix, lanes);
+    let mut current = Estimate { cameras: graph.cameras, points: graph.points };
+    let mut trial = current.clone();
+    let initial_cost = system.cost(model, &current, loss);
+    let mut cost = initial_cost;
+    let mut damping = Damping::new(options.initial_damping);
+    let mut iterations = 0;
+    let stop = loop {
+        if graph.edges.is_empty() {
+            break StopReason::NoData;
+        }
+        if iterations >= options.max_iterations {
+            break StopReason::IterationLimit;
+        }
+        iterations += 1;
+        system.linearize(model, &current, loss, damping.lambda);
+        let Some(predicted) = system.solve_step(model, &current, &mut trial) else {
+            match damping.raise() {
+                true => continue,
+                false => break StopReason::NoDescent,
+            }
+        };
+        if predicted <= f64::EPSILON * cost {
+            break StopReason::Converged;
+        }
+        let trial_cost = system.cost(model, &trial, loss);
+        let decrease = cost - trial_cost;
+        if decrease > 0.0 {
+            std::mem::swap(&mut current, &mut trial);
+            let small = decrease <= options.relative_tolerance * cost && predicted <= options.relative_tolerance * cost;
+            cost = trial_cost;
+            damping.accept(decrease / predicted);
+            if small {
+                break StopReason::Converged;
+            }
+        } else if predicted <= options.relative_tolerance * cost {
+            break StopReason::Converged;
+        } else if !damping.raise() {
+            break StopReason::NoDescent;
+        }
+    };
+    Minimum {
+        cameras: current.cameras,
+        points: current.points,
+        initial_cost,
+        final_cost: cost,
+        iterations,
+        stop,
+    }
+}
+
+/// Nielsen's rule.
+pub(crate) struct Damping {
+    pub(crate) lambda: f64,
+    growth: f64,
+}
+
+impl Damping {
+    /// Starts at `lambda`.
+    pub(crate) fn new(lambda: f64) -> Self {
+        Self { lambda, growth: 2.0 }
+    }
+
+    /// Lowers the damping by how well the model has predicted the decrease.
+    pub(crate) fn accept(&mut self, gain: f64) {
+        self.lambda = (self.lambda * (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0)).max(MIN_DAMPING);
+        self.growth = 2.0;
+    }
+
+    /// Raises it after a rejected step; `false` at the upper bound.
+    pub(crate) fn raise(&mut self) -> bool {
+        self.lambda *= self.growth;
+        self.growth *= 2.0;
+        self.lambda < MAX_DAMPING
+    }
+}

@@ -1,0 +1,160 @@
+//! Synthetic streets for tests and benches: known poses and points, seeded noise.
+
+#![allow(dead_code, missing_docs, unreachable_pub)]
+
+use geometry::{Pinhole, SE3, StereoRig, Vec2, Vec3, Vec6};
+use optim::{BundleObservation, BundleProblem, PoseObservation};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+pub fn rig() -> StereoRig {
+    StereoRig {
+        camera: Pinhole { fx: 718.856, fy: 718.856, cx: 607.1928, cy: 185.2157 },
+        baseline_m: 386.1448 / 718.856,
+    }
+}
+
+pub fn random(seed: u64) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed)
+}
+
+/// Standard normal number (Box and Muller).
+pub fn normal(random: &mut ChaCha8Rng) -> f64 {
+    let u: f64 = 1.0 - random.random::<f64>();
+    (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * random.random::<f64>()).cos()
+}
+
+pub fn normal_vec3(random: &mut ChaCha8Rng, sigma: f64) -> Vec3 {
+    Vec3::new(normal(random), normal(random), normal(random)) * sigma
+}
+
+/// exp of a random tangent vector with the given sigma in metres and radians.
+pub fn small_motion(random: &mut ChaCha8Rng, sigma_m: f64, sigma_rad: f64) -> SE3 {
+    let (rho, phi) = (normal_vec3(random, sigma_m), normal_vec3(random, sigma_rad));
+    SE3::exp(&Vec6::new(rho.x, rho.y, rho.z, phi.x, phi.y, phi.z))
+}
+
+/// A pose whose difference from `b` is measured in metres and radians.
+pub fn pose_difference(a: &SE3, b: &SE3) -> (f64, f64) {
+    let d = (*a * b.inverse()).log();
+    (d.fixed_rows::<3>(0).norm(), d.fixed_rows::<3>(3).norm())
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct StreetOptions {
+    pub seed: u64,
+    pub cameras: usize,
+    pub points: usize,
+    /// Observations of each point are thinned to at most this many.
+    pub max_track: usize,
+    pub noise_px: f64,
+    /// Share of observations without a right measurement.
+    pub mono_share: f64,
+}
+
+/// A problem at its true values, with noisy measurements: cameras every 0.8 m along a slow bend, points on its sides.
+pub fn street(options: &StreetOptions) -> BundleProblem {
+    let mut random = random(options.seed);
+    let mut world_from_cam = SE3::identity();
+    let advance = SE3::exp(&Vec6::new(0.0, 0.0, 0.8, 0.0, 0.01, 0.0));
+    let mut cameras = Vec::new();
+    for _ in 0..options.cameras {
+        cameras.push(world_from_cam.inverse());
+        world_from_cam = world_from_cam * advance;
+    }
+    let mut problem = BundleProblem {
+        rig: rig(),
+        fixed: vec![false; cameras.len()],
+        cameras,
+        points: Vec::new(),
+        observations: Vec::new(),
+    };
+    while problem.points.len() < options.points {
+        let home = problem.cameras[random.random_range(0..options.cameras)].inverse();
+        let side = if random.random::<bool>() { 1.0 } else { -1.0 };
+        let point_cam = Vec3::new(
+            side * random.random_range(3.0..12.0),
+            random.random_range(-4.0..1.6),
+            random.random_range(6.0..35.0),
+        );
+        let point = problem.points.len() as u32;
+        let point_world = home * point_cam;
+        let mut seen = Vec::new();
+        for (camera, cam_from_world) in problem.cameras.iter().enumerate() {
+            let p = *cam_from_world * point_world;
+            if p.z < 4.0 || p.z > 40.0 {
+                continue;
+            }
+            let projection = problem.rig.project(&p);
+            if (0.0..1241.0).contains(&projection.x) && (0.0..376.0).contains(&projection.y) {
+                seen.push((camera as u32, projection));
+            }
+        }
+        if seen.len() < 2 {
+            continue;
+        }
+        let first = random.random_range(0..=seen.len().saturating_sub(options.max_track));
+        for &(camera, projection) in seen.iter().skip(first).take(options.max_track) {
+            let sigma = 1.2f64.powi(random.random_range(0..4));
+            let scale = sigma * options.noise_px;
+            let pixel = Vec2::new(
+                projection.x + scale * normal(&mut random),
+                projection.y + scale * normal(&mut random),
+            );
+            let right_u = projection.z + scale * normal(&mut random);
+            let is_mono = random.random::<f64>() < options.mono_share;
+            problem.observations.push(BundleObservation {
+                camera,
+                point,
+                pixel,
+                right_u: if is_mono { f64::NAN } else { right_u },
+                inv_sigma_sq: 1.0 / (sigma * sigma),
+            });
+        }
+        problem.points.push(point_world);
+    }
+    problem
+}
+
+/// Displaces free cameras and all points.
+pub fn displaced(problem: &BundleProblem, seed: u64, sigma_m: f64, sigma_rad: f64, point_sigma_m: f64) -> BundleProblem {
+    let mut random = random(seed);
+    let mut out = problem.clone();
+    for (camera, fixed) in out.cameras.iter_mut().zip(&problem.fixed) {
+        if !fixed {
+            *camera = small_motion(&mut random, sigma_m, sigma_rad) * *camera;
+        }
+    }
+    for point in &mut out.points {
+        *point += normal_vec3(&mut random, point_sigma_m);
+    }
+    out
+}
+
+/// A frame at a known pose with `n` observations, of which the share `outliers` is anywhere in the image.
+pub fn frame(seed: u64, n: usize, noise_px: f64, outliers: f64, mono_share: f64) -> (SE3, Vec<PoseObservation>) {
+    let mut random = random(seed);
+    let cam_from_world = small_motion(&mut random, 5.0, 0.5);
+    let world_from_cam = cam_from_world.inverse();
+    let rig = rig();
+    let mut observations = Vec::new();
+    for i in 0..n {
+        let (u, v) = (random.random_range(0.0..1241.0), random.random_range(0.0..376.0));
+        let depth = random.random_range(5.0..50.0);
+        let point_cam = rig.unproject(u, v, depth);
+        let sigma = 1.2f64.powi(random.random_range(0..8));
+        let mut projection = rig.project(&point_cam) + normal_vec3(&mut random, sigma * noise_px);
+        if (i as f64) < outliers * n as f64 {
+            let x = random.random_range(0.0..1241.0);
+            projection = Vec3::new(x, random.random_range(0.0..376.0), x - random.random_range(2.0..80.0));
+        }
+        let is_mono = random.random::<f64>() < mono_share;
+        observations.push(PoseObservation {
+            point_world: world_from_cam * point_cam,
+            pixel: Vec2::new(projection.x, projection.y),
+            right_u: if is_mono { f64::NAN } else { projection.z },
+            inv_sigma_sq: 1.0 / (sigma * sigma),
+        });
+    }
+    (cam_from_world, observations)
+}
