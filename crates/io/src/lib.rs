@@ -1,1 +1,30 @@
-//! Datasets, images, configuration and trajectories.
+//! Datasets, images, configuration and trajectories: everything that is read before a run and written after it.
+//!
+//! Start reading at [`open_sequence`] (which frames there are), [`load_frame`] (their pixels) and [`Config::load`]
+//! (how to process them). Every error names the file, the line or key, what was found and what was expected.
+
+mod config;
+mod dataset;
+mod file;
+mod images;
+mod trajectory;
+
+pub use config::{
+    CameraError, CameraSettings, Config, ConfigErrors, FeatureSettings, InputSettings, MappingSettings,
+    Problem, Provenance, StereoSettings, TrackingSettings,
+    schema::{Entry, Kind, Literal, Range},
+    table::SCHEMA,
+};
+pub use dataset::{
+    Calibration, DatasetError, FrameSource, OpenOptions, Sensor, Sequence, SequenceKind, open_sequence,
+    open_sequence_with,
+};
+pub use file::{FileError, create_output_folder, write_atomic};
+pub use images::{
+    ImageError, ImageSize, LoadedFrame, Rgb, image_size, load_depth, load_frame, load_gray, save_png_depth,
+    save_png_gray, save_png_rgb,
+};
+pub use trajectory::{
+    StampedPose, Trajectory, TrajectoryFormat, read_euroc, read_kitti_poses, read_trajectory, read_tum,
+    write_kitti, write_tum,
+};

@@ -1,0 +1,105 @@
+//! The camera of a run: the dataset's calibration file wins over the configuration, and the program says so.
+
+use std::path::PathBuf;
+
+use geometry::{Distortion, Pinhole, StereoRig};
+
+use super::Config;
+use super::problem::Provenance;
+use crate::dataset::{Calibration, Sensor};
+
+/// Why no camera is known.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CameraError {
+    /// Neither the dataset nor the configuration gives the camera.
+    #[error(
+        "{}: the dataset has no calibration file and the configuration does not give {missing}; \
+         give a configuration with the section `camera` (such as --config configs/tum-rgbd.yaml) or --set {missing}=...",
+        dataset.display()
+    )]
+    Missing {
+        /// The dataset.
+        dataset: PathBuf,
+        /// The first key that is missing.
+        missing: &'static str,
+    },
+}
+
+impl Config {
+    /// Replaces the camera by that of the dataset. Returns a notice for each value that somebody had given otherwise.
+    pub fn apply_calibration(&mut self, calibration: &Calibration) -> Vec<String> {
+        let Calibration { rig: StereoRig { camera, baseline_m }, distortion, source } = calibration;
+        let mut notices = Vec::new();
+        let target = &mut self.camera;
+        let optional = [
+            ("camera.fx", &mut target.fx, camera.fx),
+            ("camera.fy", &mut target.fy, camera.fy),
+            ("camera.cx", &mut target.cx, camera.cx),
+            ("camera.cy", &mut target.cy, camera.cy),
+            ("camera.baseline_m", &mut target.baseline_m, *baseline_m),
+        ];
+        let plain = [
+            ("camera.k1", &mut target.k1, distortion.k1),
+            ("camera.k2", &mut target.k2, distortion.k2),
+            ("camera.p1", &mut target.p1, distortion.p1),
+            ("camera.p2", &mut target.p2, distortion.p2),
+            ("camera.k3", &mut target.k3, distortion.k3),
+        ];
+        let mut changed = Vec::new();
+        for (key, value, new) in optional {
+            // A monocular dataset gives no baseline.
+            if key == "camera.baseline_m" && new <= 0.0 {
+                continue;
+            }
+            let old = value.replace(new);
+            changed.push((key, old, new));
+        }
+        for (key, value, new) in plain {
+            let old = std::mem::replace(value, new);
+            changed.push((key, Some(old), new));
+        }
+        for (key, old, new) in changed {
+            let place = self.provenance.insert(key.to_string(), Provenance::Calibration(source.clone()));
+            if let (Some(old), Some(place)) = (old.filter(|old| *old != new), place) {
+                notices.push(format!("{key} = {old} ({place}) is replaced by {new} from {source}"));
+            }
+        }
+        notices
+    }
+
+    /// The camera in force; for a dataset with a calibration file call [`Config::apply_calibration`] first.
+    ///
+    /// # Errors
+    /// [`CameraError::Missing`] naming `dataset`, the missing key and what to do.
+    pub fn camera_in_force(
+        &self,
+        dataset: &std::path::Path,
+        sensor: Sensor,
+    ) -> Result<Calibration, CameraError> {
+        let camera = &self.camera;
+        let need = |missing: &'static str, value: Option<f64>| {
+            value.ok_or_else(|| CameraError::Missing { dataset: dataset.to_path_buf(), missing })
+        };
+        let baseline_m = match sensor {
+            Sensor::Mono => camera.baseline_m.unwrap_or(0.0),
+            Sensor::Stereo | Sensor::Rgbd => need("camera.baseline_m", camera.baseline_m)?,
+        };
+        let pinhole = Pinhole {
+            fx: need("camera.fx", camera.fx)?,
+            fy: need("camera.fy", camera.fy)?,
+            cx: need("camera.cx", camera.cx)?,
+            cy: need("camera.cy", camera.cy)?,
+        };
+        Ok(Calibration {
+            rig: StereoRig { camera: pinhole, baseline_m },
+            distortion: Distortion {
+                k1: camera.k1,
+                k2: camera.k2,
+                p1: camera.p1,
+                p2: camera.p2,
+                k3: camera.k3,
+            },
+            source: self.provenance("camera.fx").to_string(),
+        })
+    }
+}

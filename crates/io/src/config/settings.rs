@@ -1,0 +1,110 @@
+//! The configuration as the program uses it: a typed field for each key of `table.rs`, which tests keep equal.
+//! Units, ranges and defaults stand in the table; real numbers are `f64`, keys that may be absent are `Option`s.
+
+use serde::{Deserialize, Serialize};
+
+use crate::dataset::Sensor;
+
+/// Section `camera`: used where the dataset has no calibration file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSettings {
+    /// Focal length, px.
+    pub fx: Option<f64>,
+    /// Focal length, px.
+    pub fy: Option<f64>,
+    /// Principal point, px.
+    pub cx: Option<f64>,
+    /// Principal point, px.
+    pub cy: Option<f64>,
+    /// Radial distortion, r^2.
+    pub k1: f64,
+    /// Radial distortion, r^4.
+    pub k2: f64,
+    /// Tangential distortion.
+    pub p1: f64,
+    /// Tangential distortion.
+    pub p2: f64,
+    /// Radial distortion, r^6.
+    pub k3: f64,
+    /// Image width, px.
+    pub width: Option<usize>,
+    /// Image height, px.
+    pub height: Option<usize>,
+    /// Distance of the two cameras, m; virtual for RGB-D.
+    pub baseline_m: Option<f64>,
+    /// Frames per second.
+    pub fps: f64,
+    /// Value of a depth image at one metre.
+    pub depth_units_per_metre: f64,
+}
+
+/// Section `input`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InputSettings {
+    /// What to use of the dataset.
+    pub sensor: Option<Sensor>,
+    /// Largest time between a colour image and its depth image, s.
+    pub association_tolerance_s: f64,
+}
+
+/// Section `features`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FeatureSettings {
+    /// Keypoints kept per image.
+    pub keep: usize,
+    /// Levels of the pyramid.
+    pub levels: usize,
+    /// Ratio of the sizes of two neighbouring levels.
+    pub scale_factor: f64,
+    /// FAST threshold tried first.
+    pub fast_initial: u8,
+    /// FAST threshold of cells where the first finds nothing.
+    pub fast_minimum: u8,
+    /// Whether keypoints are refined below one pixel.
+    pub subpixel: bool,
+}
+
+/// Section `stereo`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StereoSettings {
+    /// Nearest depth searched for, m; absent: the baseline.
+    pub min_depth_m: Option<f64>,
+    /// Depth in baselines up to which a point is close.
+    pub close_depth_baselines: f64,
+}
+
+/// Section `tracking`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackingSettings {
+    /// Features needed to start a map.
+    pub init_min_features: usize,
+    /// Matched points below which a frame is lost.
+    pub min_inliers: usize,
+    /// Share of the reference's points below which a keyframe is due.
+    pub keyframe_ratio: f64,
+    /// Close points tracked below which a keyframe may be due.
+    pub close_tracked_min: usize,
+    /// Close features without a point above which it is.
+    pub close_untracked_max: usize,
+}
+
+/// Section `mapping`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MappingSettings {
+    /// Covisible keyframes worked with.
+    pub neighbours: usize,
+    /// Local bundle adjustment: iterations with the robust kernel.
+    pub local_ba_first_iterations: usize,
+    /// Local bundle adjustment: iterations without outliers.
+    pub local_ba_second_iterations: usize,
+    /// Share of points seen elsewhere above which a keyframe goes.
+    pub keyframe_cull_ratio: f64,
+    /// Share of frames that find a young point below which it goes.
+    pub point_found_ratio: f64,
+}

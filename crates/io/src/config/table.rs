@@ -1,0 +1,51 @@
+//! All keys of the configuration. A new key is a line here and a field in `settings.rs`; nothing else.
+
+use super::schema::{
+    ANY, Entry, above, between, flag, integer, optional_choice, optional_integer, optional_real, real,
+};
+
+/// All keys, in the order in which they are written.
+#[rustfmt::skip]
+pub const SCHEMA: &[Entry] = &[
+    optional_real("camera.fx", "px", above(0.0), "focal length, horizontal; a calibration file of the dataset wins"),
+    optional_real("camera.fy", "px", above(0.0), "focal length, vertical"),
+    optional_real("camera.cx", "px", ANY, "principal point, horizontal"),
+    optional_real("camera.cy", "px", ANY, "principal point, vertical"),
+    real("camera.k1", 0.0, "", ANY, "radial distortion, r^2"),
+    real("camera.k2", 0.0, "", ANY, "radial distortion, r^4"),
+    real("camera.p1", 0.0, "", ANY, "tangential distortion"),
+    real("camera.p2", 0.0, "", ANY, "tangential distortion"),
+    real("camera.k3", 0.0, "", ANY, "radial distortion, r^6"),
+    optional_integer("camera.width", "px", [16, 16_384], "image width; absent: that of the first image"),
+    optional_integer("camera.height", "px", [16, 16_384], "image height; absent: that of the first image"),
+    optional_real("camera.baseline_m", "m", above(0.0), "distance of the two cameras; for RGB-D the virtual one (bf / fx)"),
+    real("camera.fps", 10.0, "Hz", above(0.0), "frame rate; the longest gap between keyframes is one second of frames"),
+    real("camera.depth_units_per_metre", 5000.0, "1/m", above(0.0), "value of a depth image at one metre"),
+
+    optional_choice("input.sensor", &["stereo", "rgbd", "mono"], "what to use; absent: the richest that the dataset offers"),
+    real("input.association_tolerance_s", 0.02, "s", above(0.0), "largest time between a colour image and its depth image"),
+
+    integer("features.keep", 2000, "", [50, 100_000], "keypoints kept per image"),
+    integer("features.levels", 8, "", [1, 16], "levels of the image pyramid"),
+    real("features.scale_factor", 1.2, "", between(1.01, 2.0), "ratio of the sizes of two neighbouring levels"),
+    integer("features.fast_initial", 20, "grey levels", [1, 255], "FAST threshold tried first in a cell"),
+    integer("features.fast_minimum", 7, "grey levels", [1, 255], "FAST threshold of a cell where the first finds nothing"),
+    flag("features.subpixel", true, "refine the position of keypoints below one pixel"),
+
+    optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: the baseline"),
+    real("stereo.close_depth_baselines", 40.0, "baselines", above(0.0), "a point nearer than this makes a map point at once"),
+
+    integer("tracking.init_min_features", 500, "", [10, 100_000], "features with depth needed to start a map"),
+    integer("tracking.min_inliers", 30, "", [4, 10_000], "matched map points below which a frame counts as lost"),
+    real("tracking.keyframe_ratio", 0.75, "", between(0.0, 1.0), "a keyframe is due when fewer of the reference's points are tracked"),
+    integer("tracking.close_tracked_min", 100, "", [0, 100_000], "close points tracked, below which a keyframe is due ..."),
+    integer("tracking.close_untracked_max", 70, "", [0, 100_000], "... if more close features than this have no point"),
+
+    integer("mapping.neighbours", 10, "keyframes", [1, 100], "covisible keyframes with which a new one is triangulated and fused"),
+    integer("mapping.local_ba_first_iterations", 5, "", [1, 1000], "local bundle adjustment: iterations with the robust kernel"),
+    integer("mapping.local_ba_second_iterations", 10, "", [0, 1000], "local bundle adjustment: iterations after outliers are gone"),
+    real("mapping.keyframe_cull_ratio", 0.9, "", between(0.1, 1.0), "a keyframe goes when more of its points are seen by three others"),
+    real("mapping.point_found_ratio", 0.25, "", between(0.0, 1.0), "a young point goes when it is found in fewer of the frames that should see it"),
+
+    integer("seed", 1, "", [0, i64::MAX], "seed of all random numbers"),
+];

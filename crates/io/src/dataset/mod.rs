@@ -1,0 +1,164 @@
+//! Datasets: which frames there are, their files and times, the camera, the ground truth. No pixel is read here.
+
+mod calib;
+mod error;
+mod kitti;
+mod numbered;
+mod tum;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use geometry::{Distortion, StereoRig};
+use serde::{Deserialize, Serialize};
+
+use crate::images::{ImageError, ImageSize, image_size};
+use crate::trajectory::Trajectory;
+
+pub use error::DatasetError;
+
+/// What the camera delivers per frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sensor {
+    /// Two rectified images.
+    Stereo,
+    /// An image and its depth.
+    Rgbd,
+    /// One image.
+    Mono,
+}
+
+/// The layout of a dataset's folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SequenceKind {
+    /// KITTI odometry: `times.txt`, `calib.txt`, `image_0` and `image_1`, or `image_2` and `image_3`.
+    Kitti,
+    /// TUM RGB-D: `rgb.txt`, `depth.txt`.
+    TumRgbd,
+}
+
+/// A camera as a dataset describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Intrinsics in pixels and baseline in metres; the baseline is 0 where a monocular dataset gives none.
+    pub rig: StereoRig,
+    /// Lens distortion; zero for rectified images.
+    pub distortion: Distortion,
+    /// Where it was read: a path, or the configuration.
+    pub source: String,
+}
+
+/// The files of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameSource {
+    /// KITTI: the number in the file name; a number whose file is missing is kept, so that no frame is renumbered.
+    /// TUM: the position among the frames, from 0.
+    pub index: u32,
+    /// Seconds.
+    pub timestamp_s: f64,
+    /// Left or only image.
+    pub left: PathBuf,
+    /// Right image (stereo).
+    pub right: Option<PathBuf>,
+    /// Depth image (RGB-D).
+    pub depth: Option<PathBuf>,
+}
+
+/// A dataset, checked as far as that is possible without reading its images.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sequence {
+    /// The folder's name.
+    pub name: String,
+    /// Its layout.
+    pub kind: SequenceKind,
+    /// What is taken from it.
+    pub sensor: Sensor,
+    /// At least one frame, in order of time.
+    pub frames: Vec<FrameSource>,
+    /// The camera, where the dataset has a calibration file.
+    pub calibration: Option<Calibration>,
+    /// Poses of the left camera, where the dataset has them.
+    pub ground_truth: Option<Trajectory>,
+    /// What the user should know about the dataset before the run.
+    pub warnings: Vec<String>,
+}
+
+/// How a dataset is opened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpenOptions {
+    /// The sensor to use; `None`: the richest that the folder offers.
+    pub sensor: Option<Sensor>,
+    /// RGB-D: largest time between an image and its depth, seconds (exclusive).
+    pub association_tolerance_s: f64,
+}
+
+impl Default for OpenOptions {
+    fn default() -> Self {
+        Self { sensor: None, association_tolerance_s: 0.02 }
+    }
+}
+
+impl fmt::Display for Sensor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Stereo => "stereo",
+            Self::Rgbd => "rgbd",
+            Self::Mono => "mono",
+        })
+    }
+}
+
+impl Sequence {
+    /// Size of the sequence's images: that of the first frame whose header can be read, with its frame's position.
+    ///
+    /// # Errors
+    /// The [`ImageError`] of the first frame when no frame has a readable header.
+    pub fn image_size(&self) -> Result<(usize, ImageSize), ImageError> {
+        let mut first_error = None;
+        for (position, frame) in self.frames.iter().enumerate() {
+            match image_size(&frame.left) {
+                Ok(size) => return Ok((position, size)),
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
+        }
+        Err(first_error.unwrap_or_else(|| ImageError::Missing { path: PathBuf::from(&self.name) }))
+    }
+}
+
+/// Opens a dataset with the default association tolerance (20 ms); see [`open_sequence_with`].
+///
+/// # Errors
+/// [`DatasetError`].
+pub fn open_sequence(dir: &Path, sensor: Option<Sensor>) -> Result<Sequence, DatasetError> {
+    open_sequence_with(dir, &OpenOptions { sensor, ..OpenOptions::default() })
+}
+
+/// Opens a dataset: recognises its layout, lists its frames, reads calibration, times and ground truth.
+///
+/// # Errors
+/// [`DatasetError`] for a missing or unknown folder, broken text files, or a sensor that the folder does not have.
+pub fn open_sequence_with(dir: &Path, options: &OpenOptions) -> Result<Sequence, DatasetError> {
+    if !dir.exists() {
+        return Err(DatasetError::MissingFolder { path: dir.to_path_buf() });
+    }
+    if !dir.is_dir() {
+        return Err(DatasetError::NotAFolder { path: dir.to_path_buf() });
+    }
+    if dir.join("rgb.txt").exists() {
+        tum::open(dir, options)
+    } else if kitti::is_kitti(dir) {
+        kitti::open(dir, options)
+    } else {
+        Err(DatasetError::UnknownLayout { path: dir.to_path_buf() })
+    }
+}
+
+/// The last part of a folder's path, also when it is given as `.` or ends in `..`.
+fn folder_name(dir: &Path) -> String {
+    let resolved = if dir.file_name().is_some() { Some(dir.to_path_buf()) } else { dir.canonicalize().ok() };
+    resolved
+        .as_deref()
+        .and_then(Path::file_name)
+        .map_or_else(|| "sequence".to_string(), |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,186 @@
+//! TUM RGB-D folders: `rgb.txt` and `depth.txt` list images with their times; `groundtruth.txt` if there.
+
+use std::path::{Path, PathBuf};
+
+use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, SequenceKind, folder_name};
+use crate::file::{FileError, TextFile, counted};
+use crate::trajectory::{check_increasing, read_tum};
+
+const EXPECTED: &str = "a time in seconds and a file name per line";
+
+/// One entry of a list.
+struct Entry {
+    timestamp_s: f64,
+    path: PathBuf,
+}
+
+/// Opens a TUM RGB-D sequence.
+pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, DatasetError> {
+    let mut warnings = Vec::new();
+    let sensor = choose_sensor(dir, options.sensor, &mut warnings)?;
+    let colour = read_list(dir, "rgb.txt")?;
+    let frames = match sensor {
+        Sensor::Rgbd => {
+            let depth = read_list(dir, "depth.txt")?;
+            pair_frames(dir, colour, depth, options.association_tolerance_s, &mut warnings)?
+        }
+        _ => colour
+            .into_iter()
+            .zip(0..)
+            .map(|(entry, index)| FrameSource {
+                index,
+                timestamp_s: entry.timestamp_s,
+                left: entry.path,
+                right: None,
+                depth: None,
+            })
+            .collect(),
+    };
+    let truth = dir.join("groundtruth.txt");
+    let ground_truth = if truth.is_file() { Some(read_tum(&truth)?) } else { None };
+    Ok(Sequence {
+        name: folder_name(dir),
+        kind: SequenceKind::TumRgbd,
+        sensor,
+        frames,
+        calibration: None,
+        ground_truth,
+        warnings,
+    })
+}
+
+fn choose_sensor(
+    dir: &Path,
+    wanted: Option<Sensor>,
+    warnings: &mut Vec<String>,
+) -> Result<Sensor, DatasetError> {
+    let list = dir.join("depth.txt");
+    match wanted {
+        Some(Sensor::Stereo) => Err(DatasetError::SensorUnavailable {
+            path: dir.to_path_buf(),
+            sensor: Sensor::Stereo,
+            reason: "TUM RGB-D folders hold no right images".to_string(),
+        }),
+        Some(sensor) => Ok(sensor),
+        None if list.is_file() => Ok(Sensor::Rgbd),
+        None => {
+            warnings.push(format!("{}: no such file, so the run is monocular", list.display()));
+            Ok(Sensor::Mono)
+        }
+    }
+}
+
+/// Reads a list of images: strictly increasing times and paths relative to the folder.
+fn read_list(dir: &Path, name: &str) -> Result<Vec<Entry>, FileError> {
+    let file = TextFile::read(&dir.join(name), EXPECTED)?;
+    let mut entries: Vec<Entry> = Vec::new();
+    for line in file.data_lines() {
+        let mut fields = line.text.split_whitespace();
+        let (Some(time), Some(image), None) = (fields.next(), fields.next(), fields.next()) else {
+            let n_fields = line.text.split_whitespace().count();
+            return Err(line.error(counted(n_fields, "field"), EXPECTED));
+        };
+        let timestamp_s = line.number(time)?;
+        check_increasing(&line, entries.last().map(|entry| entry.timestamp_s), timestamp_s)?;
+        entries.push(Entry { timestamp_s, path: dir.join(image) });
+    }
+    if entries.is_empty() { Err(file.empty(EXPECTED)) } else { Ok(entries) }
+}
+
+/// Frames out of the colour images that have a depth image near in time.
+fn pair_frames(
+    dir: &Path,
+    colour: Vec<Entry>,
+    depth: Vec<Entry>,
+    tolerance_s: f64,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<FrameSource>, DatasetError> {
+    let times = |entries: &[Entry]| entries.iter().map(|entry| entry.timestamp_s).collect::<Vec<_>>();
+    let partners = associate(&times(&colour), &times(&depth), tolerance_s);
+    let n_single = partners.iter().filter(|partner| partner.is_none()).count();
+    let tolerance_ms = tolerance_s * 1e3;
+    if n_single == colour.len() {
+        return Err(DatasetError::SensorUnavailable {
+            path: dir.to_path_buf(),
+            sensor: Sensor::Rgbd,
+            reason: format!("no colour image has a depth image within {tolerance_ms} ms"),
+        });
+    }
+    if n_single > 0 {
+        warnings.push(format!(
+            "{}: {n_single} of {} have no depth image within {tolerance_ms} ms and are left out",
+            dir.join("rgb.txt").display(),
+            counted(colour.len(), "colour image"),
+        ));
+    }
+    let pairs = colour.into_iter().zip(partners).filter_map(|(entry, partner)| Some((entry, partner?)));
+    Ok(pairs
+        .zip(0..)
+        .map(|((entry, partner), index)| FrameSource {
+            index,
+            timestamp_s: entry.timestamp_s,
+            left: entry.path,
+            right: None,
+            depth: Some(depth[partner].path.clone()),
+        })
+        .collect())
+}
+
+/// One-to-one association of two increasing lists of times, as TUM's tool does it: all pairs nearer than the tolerance,
+/// smallest difference first (ties by the first time, then the second), each time used once. Returns for each time of
+/// `first` the position in `second`.
+fn associate(first: &[f64], second: &[f64], tolerance_s: f64) -> Vec<Option<usize>> {
+    let mut candidates = Vec::new();
+    for (a, &time) in first.iter().enumerate() {
+        let begin = second.partition_point(|&other| other <= time - tolerance_s);
+        for (b, &other) in second.iter().enumerate().skip(begin).take_while(|&(_, &t)| t < time + tolerance_s)
+        {
+            candidates.push(((time - other).abs(), a, b));
+        }
+    }
+    candidates.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)).then(x.2.cmp(&y.2)));
+    let mut partners = vec![None; first.len()];
+    let mut taken = vec![false; second.len()];
+    for (_, a, b) in candidates {
+        if partners[a].is_none() && !taken[b] {
+            partners[a] = Some(b);
+            taken[b] = true;
+        }
+    }
+    partners
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn smallest_difference_wins_and_each_is_used_once() {
+        let partners = associate(&[0.0, 0.010, 1.0], &[0.012, 0.015, 2.0], 0.02);
+        assert_eq!(partners, [Some(1), Some(0), None]);
+    }
+
+    #[test]
+    fn the_tolerance_is_exclusive() {
+        assert_eq!(associate(&[0.0], &[0.25], 0.25), [None]);
+        assert_eq!(associate(&[0.0], &[0.25], 0.26), [Some(0)]);
+        assert_eq!(associate(&[0.25], &[0.0], 0.25), [None]);
+    }
+
+    #[test]
+    fn ties_go_to_the_earlier_time() {
+        assert_eq!(associate(&[1.0, 2.0], &[1.5], 0.75), [Some(0), None]);
+        assert_eq!(associate(&[1.5], &[1.0, 2.0], 0.75), [Some(0)]);
+    }
+
+    #[test]
+    fn moving_both_clocks_changes_nothing() {
+        let first: Vec<f64> = (0..50).map(|i| f64::from(i) * 0.03125).collect();
+        let second: Vec<f64> =
+            (0..50).map(|i| f64::from(i * i % 7) * 0.001953125 + f64::from(i) * 0.0625).collect();
+        let moved = |times: &[f64]| times.iter().map(|t| t + 1024.0).collect::<Vec<_>>();
+        let partners = associate(&first, &second, 0.02);
+        assert!(partners.iter().flatten().count() > 10);
+        assert_eq!(associate(&moved(&first), &moved(&second), 0.02), partners);
+    }
+}

@@ -1,0 +1,193 @@
+//! Text files with line numbers in their errors, and atomic writing. Used by datasets, trajectories and configuration.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// What is wrong with a file that is read or written; the message names file, line, found and expected.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FileError {
+    /// The file does not exist.
+    #[error("{}: no such file, expected {expected}", path.display())]
+    Missing {
+        /// The file that was looked for.
+        path: PathBuf,
+        /// What it should hold.
+        expected: String,
+    },
+    /// The operating system refused to read it.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The reason given by the operating system.
+        reason: String,
+    },
+    /// The file holds no data (nothing, or only comments and blank lines).
+    #[error("{}: found no data, expected {expected}", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// What it should hold.
+        expected: String,
+    },
+    /// A line does not hold what it should.
+    #[error("{}:{line}: found {found}, expected {expected}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Line number, from 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// A file or folder cannot be written.
+    #[error("{}: cannot be written: {reason}", path.display())]
+    Unwritable {
+        /// The file or folder.
+        path: PathBuf,
+        /// The reason given by the operating system.
+        reason: String,
+    },
+}
+
+/// A text file in memory that can be walked by its data lines.
+pub(crate) struct TextFile {
+    pub(crate) path: PathBuf,
+    text: String,
+}
+
+/// One line with data, with its number from 1.
+#[derive(Clone, Copy)]
+pub(crate) struct Line<'a> {
+    pub(crate) file: &'a TextFile,
+    pub(crate) number: usize,
+    pub(crate) text: &'a str,
+}
+
+impl TextFile {
+    /// Reads a whole file; `expected` says in an error what it should hold.
+    pub(crate) fn read(path: &Path, expected: &str) -> Result<Self, FileError> {
+        let bytes = fs::read(path).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => {
+                FileError::Missing { path: path.to_path_buf(), expected: expected.to_string() }
+            }
+            _ => FileError::Unreadable { path: path.to_path_buf(), reason: error.to_string() },
+        })?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()]
+                .iter()
+                .filter(|&&byte| byte == b'\n')
+                .count();
+            FileError::Line {
+                path: path.to_path_buf(),
+                line,
+                found: "bytes that are no text (not UTF-8)".to_string(),
+                expected: expected.to_string(),
+            }
+        })?;
+        Ok(Self { path: path.to_path_buf(), text })
+    }
+
+    /// The raw text.
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Lines that are neither blank nor comments (`#`), in order.
+    pub(crate) fn data_lines(&self) -> impl Iterator<Item = Line<'_>> {
+        self.text
+            .lines()
+            .enumerate()
+            .map(|(index, text)| Line { file: self, number: index + 1, text: text.trim() })
+            .filter(|line| !line.text.is_empty() && !line.text.starts_with('#'))
+    }
+
+    /// The error of a file without data.
+    pub(crate) fn empty(&self, expected: &str) -> FileError {
+        FileError::Empty { path: self.path.clone(), expected: expected.to_string() }
+    }
+}
+
+impl<'a> Line<'a> {
+    /// The error of this line.
+    pub(crate) fn error(&self, found: impl Into<String>, expected: impl Into<String>) -> FileError {
+        FileError::Line {
+            path: self.file.path.clone(),
+            line: self.number,
+            found: found.into(),
+            expected: expected.into(),
+        }
+    }
+
+    /// A finite number out of one field of this line.
+    pub(crate) fn number(&self, field: &str) -> Result<f64, FileError> {
+        match field.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(self.error(shown(field), "a finite number")),
+            Err(_) => Err(self.error(shown(field), "a number")),
+        }
+    }
+
+    /// All `N` numbers of `fields`; `what` describes them in an error ("12 numbers (...)").
+    pub(crate) fn numbers<const N: usize>(
+        &self,
+        fields: impl Iterator<Item = &'a str>,
+        what: &str,
+    ) -> Result<[f64; N], FileError> {
+        let fields: Vec<&str> = fields.collect();
+        let mut values = [0.0; N];
+        for (value, field) in values.iter_mut().zip(&fields) {
+            *value = self.number(field)?;
+        }
+        if fields.len() != N {
+            return Err(self.error(counted(fields.len(), "number"), what));
+        }
+        Ok(values)
+    }
+}
+
+/// `1 number`, `11 numbers`.
+pub(crate) fn counted(n: usize, noun: &str) -> String {
+    if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }
+}
+
+/// A piece of a file as quoted in an error, cut when it is long.
+pub(crate) fn shown(text: &str) -> String {
+    const LONGEST: usize = 40;
+    if text.chars().count() <= LONGEST {
+        return format!("`{text}`");
+    }
+    let head: String = text.chars().take(LONGEST).collect();
+    format!("`{head}...`")
+}
+
+/// Writes a file under a temporary name beside it, then renames it, so that a reader never sees half of it.
+///
+/// # Errors
+/// [`FileError::Unwritable`] when the folder is missing or may not be written; no temporary file is left behind.
+pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.part", std::process::id()));
+    let temporary = path.with_file_name(name);
+    let outcome = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
+    outcome.map_err(|error| {
+        // The first error counts; a temporary file that was never made cannot be removed either.
+        let _ = fs::remove_file(&temporary);
+        FileError::Unwritable { path: path.to_path_buf(), reason: error.to_string() }
+    })
+}
+
+/// Makes a folder (with its parents) and proves that files can be written into it, before a run starts.
+///
+/// # Errors
+/// [`FileError::Unwritable`] naming the folder.
+pub fn create_output_folder(folder: &Path) -> Result<(), FileError> {
+    let probe = folder.join(format!(".probe.{}.part", std::process::id()));
+    fs::create_dir_all(folder)
+        .and_then(|()| fs::write(&probe, b""))
+        .and_then(|()| fs::remove_file(&probe))
+        .map_err(|error| FileError::Unwritable { path: folder.to_path_buf(), reason: error.to_string() })
+}

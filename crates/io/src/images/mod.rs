@@ -1,0 +1,80 @@
+//! Images from and to files: 8-bit grey and colour, 16-bit depth; the first stage of the pipeline.
+
+mod decode;
+mod encode;
+mod error;
+mod gray;
+
+use std::path::Path;
+
+use geometry::{DepthImage, GrayImage, Raster};
+
+use crate::dataset::FrameSource;
+
+pub use decode::{image_size, load_depth, load_gray};
+pub use encode::{save_png_depth, save_png_gray, save_png_rgb};
+pub use error::{ImageError, ImageSize};
+
+/// An 8-bit colour image, red first.
+pub type Rgb = Raster<[u8; 3]>;
+
+/// The pixels of one frame.
+#[derive(Clone, Debug)]
+pub struct LoadedFrame {
+    /// Left (or only) image, grey.
+    pub left: GrayImage,
+    /// Right image, of the size of the left.
+    pub right: Option<GrayImage>,
+    /// Depth in the dataset's units (see `camera.depth_units_per_metre`), of the size of the left; 0 is unknown.
+    pub depth: Option<DepthImage>,
+}
+
+impl LoadedFrame {
+    /// Size of the images of this frame.
+    pub fn size(&self) -> ImageSize {
+        ImageSize { width: self.left.width, height: self.left.height }
+    }
+
+    /// Compares the frame with the size that the whole sequence must have.
+    ///
+    /// # Errors
+    /// [`ImageError::WrongSize`] with both sizes; `because` says where `expected` comes from.
+    pub fn check_size(
+        &self,
+        source: &FrameSource,
+        expected: ImageSize,
+        because: &str,
+    ) -> Result<(), ImageError> {
+        check_size(&source.left, self.size(), expected, because)
+    }
+}
+
+/// Reads all images of a frame; the right image and the depth must have the size of the left one.
+///
+/// # Errors
+/// The first [`ImageError`] met, in the order left, right, depth.
+pub fn load_frame(source: &FrameSource) -> Result<LoadedFrame, ImageError> {
+    let left = load_gray(&source.left)?;
+    let expected = ImageSize { width: left.width, height: left.height };
+    let because = format!("as {}", source.left.display());
+    let mut right = None;
+    if let Some(path) = &source.right {
+        let image = load_gray(path)?;
+        check_size(path, ImageSize { width: image.width, height: image.height }, expected, &because)?;
+        right = Some(image);
+    }
+    let mut depth = None;
+    if let Some(path) = &source.depth {
+        let image = load_depth(path)?;
+        check_size(path, ImageSize { width: image.width, height: image.height }, expected, &because)?;
+        depth = Some(image);
+    }
+    Ok(LoadedFrame { left, right, depth })
+}
+
+fn check_size(path: &Path, found: ImageSize, expected: ImageSize, because: &str) -> Result<(), ImageError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(ImageError::WrongSize { path: path.to_path_buf(), found, expected, because: because.to_string() })
+}

@@ -1,0 +1,80 @@
+//! KITTI pose files: a line per frame with the upper 3x4 of `world_from_cam`, row by row; no times.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use geometry::{Mat3, SE3, SO3, Vec3};
+
+use super::{StampedPose, Trajectory};
+use crate::file::{FileError, Line, TextFile, write_atomic};
+
+const EXPECTED: &str = "12 numbers (the 3x4 pose, row by row)";
+
+/// Reads a KITTI pose file; the time of a pose is its row number from 0 (see [`Trajectory::with_times`]).
+///
+/// # Errors
+/// [`FileError`] for a missing or empty file, a count other than 12, a value that is no finite number, or a matrix
+/// that is no rotation.
+pub fn read_kitti_poses(path: &Path) -> Result<Trajectory, FileError> {
+    let file = TextFile::read(path, "a KITTI pose file")?;
+    let mut poses = Vec::new();
+    for line in file.data_lines() {
+        let row = line.numbers::<12>(line.text.split_whitespace(), EXPECTED)?;
+        poses.push(StampedPose {
+            timestamp_s: poses.len() as f64,
+            world_from_cam: pose_from_row(&line, &row)?,
+        });
+    }
+    if poses.is_empty() {
+        return Err(file.empty(EXPECTED));
+    }
+    Ok(Trajectory { poses })
+}
+
+/// The pose of one row, its rotation made exactly orthonormal.
+fn pose_from_row(line: &Line<'_>, row: &[f64; 12]) -> Result<SE3, FileError> {
+    /// Published files keep six digits; a wider deviation is no rounding.
+    const TOLERANCE: f64 = 0.01;
+    let matrix = Mat3::new(row[0], row[1], row[2], row[4], row[5], row[6], row[8], row[9], row[10]);
+    let deviation = (matrix.transpose() * matrix - Mat3::identity()).amax();
+    if deviation > TOLERANCE || matrix.determinant() < 0.0 {
+        return Err(line.error(
+            format!("a 3x3 matrix that is no rotation (deviation {deviation:.3})"),
+            "a pose whose first three columns are a rotation",
+        ));
+    }
+    Ok(SE3::new(SO3::from_matrix(&matrix), Vec3::new(row[3], row[7], row[11])))
+}
+
+/// Writes a KITTI pose file, a line per pose; reading it back is exact to 1e-9 relative.
+///
+/// # Errors
+/// [`FileError::Unwritable`].
+pub fn write_kitti(path: &Path, trajectory: &Trajectory) -> Result<(), FileError> {
+    let mut text = String::with_capacity(trajectory.poses.len() * 12 * 20);
+    for pose in &trajectory.poses {
+        let row = pose.world_from_cam.rows_3x4();
+        for (column, value) in row.iter().enumerate() {
+            let separator = if column == 0 { "" } else { " " };
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{separator}{}", scientific(*value));
+        }
+        text.push('\n');
+    }
+    write_atomic(path, text.as_bytes())
+}
+
+/// A number as C's `%.12e` writes it, which is the form of KITTI's own files.
+fn scientific(value: f64) -> String {
+    let plain = format!("{value:.12e}");
+    match plain.split_once('e') {
+        Some((mantissa, exponent)) => {
+            let (sign, digits) = match exponent.strip_prefix('-') {
+                Some(digits) => ('-', digits),
+                None => ('+', exponent),
+            };
+            format!("{mantissa}e{sign}{digits:0>2}")
+        }
+        None => plain,
+    }
+}
