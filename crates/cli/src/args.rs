@@ -30,7 +30,7 @@ pub(crate) enum Command {
     #[command(after_help = help::synth())]
     Synth(SynthArgs),
     /// Evaluates trajectories against ground truth, as tables and plots.
-    Eval(eval::command::EvalCommand),
+
     /// Prints the default configuration, or checks a configuration file.
     #[command(after_help = help::config())]
     Config(ConfigArgs),

@@ -1,2 +1,47 @@
-//! The dsslam program.
-fn main() {}
+//! The `dsslam` program: arguments in, commands called, errors printed, an exit code for the shell.
+//!
+//! Start reading at `run.rs` (the command) and `job.rs` (a run from its first frame to its last file).
+
+mod args;
+mod clock;
+mod config;
+mod console;
+mod demo;
+mod evaluation;
+mod exit;
+mod help;
+mod job;
+mod progress;
+mod report;
+mod results;
+mod run;
+mod setup;
+mod stop;
+mod summary;
+mod synth;
+mod trajectories;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command};
+use exit::{Exit, Failure, OrExit};
+
+fn main() -> ExitCode {
+    let exit = dispatch(Cli::parse().command).unwrap_or_else(|failure| {
+        console::note(console::error(failure.to_string()));
+        failure.exit
+    });
+    ExitCode::from(exit.code())
+}
+
+fn dispatch(command: Command) -> Result<Exit, Failure> {
+    match command {
+        Command::Run(args) => run::run(&args),
+        Command::Demo(args) => demo::run(&args),
+        Command::Synth(args) => synth::run(&args),
+
+        Command::Config(args) => config::run(&args.action),
+    }
+}

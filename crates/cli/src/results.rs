@@ -54,6 +54,19 @@ impl ResultsFolder {
         Ok(io::write_atomic(&self.file(name), bytes)?)
     }
 
+    /// Like [`ResultsFolder::write`], for writers that want a path; theirs ends like `name`.
+    ///
+    /// # Errors
+    /// When the writer fails or the file cannot take its name.
+    pub(crate) fn write_with(&self, name: &str, writer: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+        let (part, target) = (self.file(&format!(".part.{name}")), self.file(name));
+        let written = writer(&part).and_then(|()| Ok(fs::rename(&part, &target)?));
+        if written.is_err() {
+            let _ = fs::remove_file(&part);
+        }
+        written.with_context(|| cannot_write(&target))
+    }
+
     /// Points `results/latest` at this folder. A folder given by `--out` leaves the link alone.
     ///
     /// # Errors
@@ -120,7 +133,9 @@ mod tests {
         let out = parent.path().join("a/b");
         let folder = ResultsFolder::create(Some(&out), parent.path(), "town").unwrap();
         folder.write("a.txt", b"old").unwrap();
-        folder.write("a.txt", b"new").unwrap();
+        assert!(folder.write_with("a.txt", |_| bail!("no ink")).is_err());
+        assert_eq!(fs::read(out.join("a.txt")).unwrap(), b"old");
+        folder.write_with("a.txt", |path| Ok(fs::write(path, b"new")?)).unwrap();
         assert_eq!(fs::read(out.join("a.txt")).unwrap(), b"new");
         folder.link_latest().unwrap();
         assert_eq!(fs::read_dir(&out).unwrap().count(), 1, "no part file and no probe is left");

@@ -1,6 +1,14 @@
 //! The test suite of the whole: one program, so that a rendered sequence is shared and linking is paid for once.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at the first problem")]
 
 mod architecture;
+mod bad_config;
+mod bad_images;
+mod bad_sequence;
+mod end_to_end;
+mod program;
+mod real_data;
+mod sequence;
 
 use std::path::{Path, PathBuf};
 

@@ -1,0 +1,111 @@
+//! A run from its first frame to its last file: what `run` and `demo` have in common.
+
+use std::sync::atomic::AtomicBool;
+
+use anyhow::{Context, Result};
+use eval::plot::{TrajectoryFigure, View, save_png};
+use io::Trajectory;
+use runtime::{FrameFeed, FrameRecord, RunOutcome, Setup};
+use sha2::{Digest, Sha256};
+
+use crate::clock::StopWatch;
+use crate::console;
+use crate::evaluation::{Evaluation, evaluate};
+use crate::exit::{Exit, Failure, OrExit};
+use crate::progress::Progress;
+use crate::report;
+use crate::results::ResultsFolder;
+use crate::summary::{self, Summary, timings_csv};
+use crate::trajectories::{own_pose, pose_per_frame, tracked_poses};
+
+/// Everything that a run needs.
+pub(crate) struct Job<'a> {
+    /// Where the frames come from.
+    pub(crate) feed: &'a dyn FrameFeed,
+    /// Camera and parameters.
+    pub(crate) setup: Setup,
+    /// The complete configuration in force, as YAML.
+    pub(crate) config_yaml: String,
+    /// What the errors are measured against.
+    pub(crate) ground_truth: Option<&'a Trajectory>,
+    /// What goes into the summary beside the outcome.
+    pub(crate) context: summary::Context,
+    /// Where the files go.
+    pub(crate) folder: ResultsFolder,
+    /// Started with the command.
+    pub(crate) watch: StopWatch,
+}
+
+/// Runs, writes the results folder and prints the report.
+///
+/// # Errors
+/// A run that cannot begin is a fault of the input, a file that cannot be written one of the output.
+pub(crate) fn execute(job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit), Failure> {
+    let mut progress = Progress::new();
+    let outcome = runtime::run(job.feed, &job.setup, &mut progress, stop).or_input()?;
+    progress.finish();
+    let evaluation = job.ground_truth.map(|truth| evaluate(&outcome.frames, truth, job.context.sensor));
+    let sensor = job.context.sensor;
+    let summary = write_results(&job, &outcome, evaluation.as_ref()).or_output()?;
+    console::say(report::text(&summary, job.folder.path()).trim_end());
+    if !summary.is_usable() {
+        let reason = summary.without_pose.first().map_or("there was no frame", |frame| &frame.reason);
+        console::note(console::error(format!("no frame has a pose ({sensor}): {reason}")));
+    }
+    let exit = match (outcome.interrupted, summary.is_usable()) {
+        (true, _) => Exit::Interrupted,
+        (false, true) => Exit::Done,
+        (false, false) => Exit::Unusable,
+    };
+    Ok((summary, exit))
+}
+
+/// Writes all files. The trajectories come first: they are what a full disk should hit last.
+fn write_results(
+    job: &Job<'_>,
+    outcome: &RunOutcome,
+    evaluation: Option<&Result<Evaluation>>,
+) -> Result<Summary> {
+    let folder = &job.folder;
+    let kitti = folder.file("trajectory.kitti.txt");
+    io::write_kitti(&kitti, &pose_per_frame(&outcome.frames))?;
+    io::write_tum(&folder.file("trajectory.tum.txt"), &tracked_poses(&outcome.frames))?;
+    folder.write("config.yaml", job.config_yaml.as_bytes())?;
+    folder.write("timings.csv", timings_csv(&outcome.timings).as_bytes())?;
+    let errors = evaluation.and_then(|evaluation| evaluation.as_ref().ok());
+    let figure = figure(&job.context.sequence, &outcome.frames, job.ground_truth, errors);
+    folder.write_with("trajectory.png", |path| save_png(path, &figure))?;
+    let bytes = std::fs::read(&kitti).with_context(|| format!("{}: cannot be read back", kitti.display()))?;
+    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let summary = Summary::new(job.context.clone(), outcome, evaluation, sha256, job.watch.seconds());
+    let json = serde_json::to_string_pretty(&summary)? + "\n";
+    folder.write("summary.json", json.as_bytes())?;
+    folder.link_latest()?;
+    Ok(summary)
+}
+
+/// The estimate, aligned where that is possible, over the true path; frames without a pose are gaps.
+fn figure(
+    name: &str,
+    records: &[FrameRecord],
+    truth: Option<&Trajectory>,
+    errors: Option<&Evaluation>,
+) -> TrajectoryFigure {
+    let position = |record: &FrameRecord| {
+        let pose = own_pose(record)?;
+        let drawn = errors.and_then(|e| e.ate.aligned(&[pose]).first().copied()).unwrap_or(pose);
+        Some(drawn.translation)
+    };
+    let last_time = records.last().map_or(f64::INFINITY, |record| record.timestamp_s) + 0.5;
+    let driven = truth.iter().flat_map(|truth| &truth.poses).filter(|pose| pose.timestamp_s <= last_time);
+    let title = match errors {
+        Some(e) => format!("{name}: ATE {:.3} m over {:.0} m", e.ate.rmse, e.path_m),
+        None => name.to_owned(),
+    };
+    TrajectoryFigure {
+        title,
+        estimate: records.iter().map(position).collect(),
+        ground_truth: if errors.is_some() { driven.map(|p| p.world_from_cam.translation).collect() } else { Vec::new() },
+        view: View::Top,
+    }
+}

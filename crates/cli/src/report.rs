@@ -1,0 +1,106 @@
+//! The numbers of a run as a person reads them at its end.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use crate::summary::{Summary, WithoutPose};
+
+/// Groups of frames without a pose that are printed; all frames stand in `summary.json`.
+const SHOWN_GROUPS: usize = 8;
+
+/// The text that ends a run: what happened, errors, times, where the files are.
+pub(crate) fn text(summary: &Summary, folder: &Path) -> String {
+    let mut text = String::new();
+    counts(&mut text, summary);
+    errors(&mut text, summary);
+    times(&mut text, summary);
+    row(&mut text, "results", &folder.display().to_string());
+    text
+}
+
+/// One row with a name; writing into a string cannot fail.
+fn row(text: &mut String, name: &str, value: &str) {
+    let _ = writeln!(text, "{name:<12}{value}");
+}
+
+fn counts(text: &mut String, s: &Summary) {
+    let mut frames = format!("{} of {} with a pose", s.tracked, s.frames);
+    for (n, what) in [(s.lost, "lost"), (s.dropped, "dropped"), (s.not_ready, "before the map's start")] {
+        if n > 0 {
+            let _ = write!(frames, ", {n} {what}");
+        }
+    }
+    if s.interrupted {
+        frames.push_str(" (interrupted)");
+    }
+    row(text, "sequence", &format!("{} ({})", s.sequence, s.sensor));
+    row(text, "frames", &frames);
+    let groups = group(&s.without_pose);
+    for group in groups.iter().take(SHOWN_GROUPS) {
+        row(text, "", group);
+    }
+    if groups.len() > SHOWN_GROUPS {
+        row(text, "", &format!("and {} more, see summary.json", groups.len() - SHOWN_GROUPS));
+    }
+    row(text, "map", &format!("{} keyframes, {} points, {} loops", s.keyframes, s.points, s.loops));
+}
+
+fn errors(text: &mut String, s: &Summary) {
+    if let Some(problem) = &s.evaluation_problem {
+        row(text, "error", &format!("not computed: {problem}"));
+    }
+    let (Some(ate), Some(alignment), Some(path)) = (s.ate_rmse_m, &s.alignment, s.path_m) else { return };
+    row(text, "ATE", &format!("{ate:.4} m rmse ({alignment} alignment), path {path:.1} m"));
+    if let Some(end) = s.end_error_percent {
+        row(text, "drift", &format!("{end:.3} % of the path at its end"));
+    }
+    match (s.t_rel_percent, s.r_rel_deg_per_100m) {
+        (Some(t), Some(r)) => row(text, "t_rel r_rel", &format!("{t:.3} %  {r:.3} deg/100 m")),
+        _ => row(text, "t_rel r_rel", "not defined: no segment of 100 m"),
+    }
+}
+
+fn times(text: &mut String, s: &Summary) {
+    let rate = s.frames as f64 / s.wall_s.max(1e-9);
+    let cpu = s.cpu_s.map_or(String::new(), |cpu| format!(", {cpu:.1} s of processor time"));
+    let memory = s.peak_rss_mb.map_or(String::new(), |mb| format!(", {mb:.0} MB at most"));
+    row(text, "time", &format!("{:.1} s ({rate:.1} frames/s){cpu}{memory}", s.wall_s));
+    if !s.stages.is_empty() {
+        row(text, "stages", &format!("{:<20}{:>9}{:>9}{:>9}   {}", "ms", "median", "p95", "max", "calls"));
+    }
+    for (name, stage) in &s.stages {
+        let (median, p95, max) = (stage.median, stage.p95, stage.max);
+        row(text, "", &format!("{name:<20}{median:>9.2}{p95:>9.2}{max:>9.2}   {}", stage.calls));
+    }
+}
+
+/// Neighbouring frames of one state as one line: `frames 20 to 35 lost: <reason of the first>`.
+fn group(frames: &[WithoutPose]) -> Vec<String> {
+    let follows = |a: &WithoutPose, b: &WithoutPose| a.frame + 1 == b.frame && a.state == b.state;
+    let line = |run: &[WithoutPose]| {
+        let first = run.first()?;
+        let state = first.state.replace('_', " ");
+        Some(match run.len() {
+            1 => format!("frame {} {state}: {}", first.frame, first.reason),
+            n => format!("frames {} to {} {state}: {}", first.frame, first.frame + n as u32 - 1, first.reason),
+        })
+    };
+    frames.chunk_by(follows).filter_map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(frame: u32, state: &'static str) -> WithoutPose {
+        WithoutPose { frame, state, reason: format!("reason {frame}") }
+    }
+
+    #[test]
+    fn neighbours_of_one_state_are_one_line() {
+        let frames = [frame(0, "not_ready"), frame(1, "not_ready"), frame(2, "dropped"), frame(9, "lost")];
+        let expected =
+            ["frames 0 to 1 not ready: reason 0", "frame 2 dropped: reason 2", "frame 9 lost: reason 9"];
+        assert_eq!(group(&frames), expected);
+    }
+}

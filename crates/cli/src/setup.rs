@@ -1,0 +1,129 @@
+//! From the configuration and the dataset to what a run needs. Every key of the configuration is taken apart here by name,
+//! so that the compiler notices one that nothing reads.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail, ensure};
+use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
+use io::{
+    Config, FeatureSettings, ImageSize, MappingSettings, Sensor, Sequence, StereoSettings, TrackingSettings,
+};
+use runtime::Setup;
+use slam::Params;
+
+/// Size of a sequence's images, compared with what the configuration says.
+///
+/// # Errors
+/// No image has a readable header, or its size is not the configured one.
+pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSize> {
+    let (position, size) = sequence.image_size().context("no image of the sequence can be read")?;
+    if let (Some(width), Some(height)) = (config.camera.width, config.camera.height) {
+        let expected = ImageSize { width, height };
+        ensure!(
+            size == expected,
+            "{}: found {size} pixels, expected {expected} (camera.width and camera.height of the configuration)",
+            sequence.frames[position].left.display()
+        );
+    }
+    Ok(size)
+}
+
+/// The setup of a run of `dataset` with images of `size`; the configuration holds the camera in force.
+///
+/// # Errors
+/// A camera that nobody gives, or a sensor that a run cannot start with.
+pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, dataset: &Path) -> Result<Setup> {
+    let run_sensor = match sensor {
+        Sensor::Stereo => runtime::Sensor::Stereo,
+        Sensor::Rgbd => runtime::Sensor::Rgbd,
+        Sensor::Mono => bail!(
+            "{}: sensor mono is not possible: a map can be started from stereo or RGB-D images only",
+            dataset.display()
+        ),
+    };
+    let camera = config.camera_in_force(dataset, sensor)?;
+    let close_depth_m = config.stereo.close_depth_baselines * camera.rig.baseline_m;
+    let rig = Rig { stereo: camera.rig, distortion: camera.distortion, width: size.width, height: size.height };
+    Ok(Setup {
+        sensor: run_sensor,
+        extractor: extractor(&config.features),
+        stereo: stereo(&config.stereo),
+        depth: DepthConfig { units_per_metre: config.camera.depth_units_per_metre, ..DepthConfig::default() },
+        slam: slam_params(config, run_sensor, close_depth_m),
+        rig: Arc::new(rig),
+    })
+}
+
+fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
+    let FeatureSettings { keep, levels, scale_factor, fast_initial, fast_minimum, subpixel } = *settings;
+    ExtractorConfig { keep, levels, scale_factor: scale_factor as f32, fast_initial, fast_minimum, subpixel }
+}
+
+fn stereo(settings: &StereoSettings) -> StereoConfig {
+    let StereoSettings { min_depth_m, close_depth_baselines: _ } = *settings;
+    let defaults = StereoConfig::default();
+    StereoConfig { min_depth_m: min_depth_m.unwrap_or(defaults.min_depth_m), ..defaults }
+}
+
+fn slam_params(config: &Config, sensor: runtime::Sensor, close_depth_m: f64) -> Params {
+    let mut params = match sensor {
+        runtime::Sensor::Stereo => Params::stereo(close_depth_m, config.camera.fps),
+        runtime::Sensor::Rgbd => Params::rgbd(close_depth_m, config.camera.fps),
+    };
+    let TrackingSettings { init_min_features, min_inliers, keyframe_ratio, close_tracked_min, close_untracked_max } =
+        config.tracking;
+    params.tracking.min_initial_depths = init_min_features;
+    params.tracking.min_inliers = min_inliers;
+    params.tracking.keyframe_ratio = keyframe_ratio;
+    params.tracking.min_close_tracked = close_tracked_min;
+    params.tracking.max_close_untracked = close_untracked_max;
+    let MappingSettings {
+        neighbours,
+        local_ba_first_iterations,
+        local_ba_second_iterations,
+        keyframe_cull_ratio,
+        point_found_ratio,
+    } = config.mapping;
+    params.mapping.neighbours = neighbours;
+    params.mapping.first_iterations = local_ba_first_iterations;
+    params.mapping.second_iterations = local_ba_second_iterations;
+    params.mapping.redundant_ratio = keyframe_cull_ratio;
+    params.mapping.min_found_ratio = point_found_ratio;
+    params.seed = config.seed;
+    params
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: ImageSize = ImageSize { width: 640, height: 480 };
+
+    fn config(extra: &[&str]) -> Config {
+        let camera = ["camera.fx=500", "camera.fy=500", "camera.cx=320", "camera.cy=240", "camera.baseline_m=0.5"];
+        let overrides: Vec<String> = camera.iter().chain(extra).map(|s| (*s).to_owned()).collect();
+        Config::load(None, &overrides).unwrap()
+    }
+
+    #[test]
+    fn overrides_reach_the_setup() {
+        let extra = ["features.keep=777", "tracking.min_inliers=31", "mapping.neighbours=12", "seed=9", "camera.fps=25"];
+        let setup = from_config(&config(&extra), Sensor::Stereo, SIZE, Path::new("x")).unwrap();
+        assert_eq!(setup.extractor.keep, 777);
+        assert_eq!(setup.slam.tracking.min_inliers, 31);
+        assert_eq!(setup.slam.tracking.max_keyframe_gap, 25);
+        assert_eq!(setup.slam.mapping.neighbours, 12);
+        assert_eq!(setup.slam.seed, 9);
+        assert_eq!(setup.slam.tracking.close_depth_m, 20.0, "40 baselines");
+    }
+
+    #[test]
+    fn without_a_camera_or_with_one_eye_there_is_no_run() {
+        let none = Config::load(None, &[]).unwrap();
+        let error = from_config(&none, Sensor::Rgbd, SIZE, Path::new("desk")).unwrap_err().to_string();
+        assert!(error.starts_with("desk: the dataset has no calibration file"), "{error}");
+        let error = from_config(&config(&[]), Sensor::Mono, SIZE, Path::new("desk")).unwrap_err().to_string();
+        assert!(error.starts_with("desk: sensor mono is not possible"), "{error}");
+    }
+}

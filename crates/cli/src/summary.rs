@@ -1,0 +1,227 @@
+//! The numbers of a run as `summary.json` holds them.
+
+use runtime::{FrameRecord, FrameStatus, RunOutcome, Timings};
+use serde::{Serialize, Serializer};
+
+use crate::clock;
+use crate::evaluation::{Evaluation, alignment_of};
+
+/// Everything that a script may want to know of a run. Keys are never renamed; what is not defined is `null`.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Summary {
+    /// Version of the program.
+    pub(crate) version: &'static str,
+    /// Name of the sequence.
+    pub(crate) sequence: String,
+    /// `stereo`, `rgbd` or `mono`.
+    pub(crate) sensor: String,
+    /// How tracking and mapping were interleaved.
+    pub(crate) schedule: &'static str,
+    /// Whether the run was ended before its last frame.
+    pub(crate) interrupted: bool,
+    /// Frames that were read.
+    pub(crate) frames: usize,
+    /// Of those: with a pose of their own.
+    pub(crate) tracked: usize,
+    /// Of those: readable, but before the map could be started.
+    pub(crate) not_ready: usize,
+    /// Of those: after the start of the map, but without a pose.
+    pub(crate) lost: usize,
+    /// Of those: with images that could not be used.
+    pub(crate) dropped: usize,
+    /// Keyframes in the map.
+    pub(crate) keyframes: usize,
+    /// Points in the map.
+    pub(crate) points: usize,
+    /// Loops closed.
+    pub(crate) loops: usize,
+    /// What was aligned before the absolute error was taken: `SE3` or `Sim3`.
+    pub(crate) alignment: Option<String>,
+    /// Absolute trajectory error, root mean square over all frames with a pose, metres.
+    pub(crate) ate_rmse_m: Option<f64>,
+    /// Frames compared for it.
+    pub(crate) ate_frames: Option<usize>,
+    /// KITTI's translation error, percent.
+    pub(crate) t_rel_percent: Option<f64>,
+    /// KITTI's rotation error, degrees per 100 m.
+    pub(crate) r_rel_deg_per_100m: Option<f64>,
+    /// Length of the true path, metres.
+    pub(crate) path_m: Option<f64>,
+    /// Error of the last position seen from the first pose, in percent of the path.
+    pub(crate) end_error_percent: Option<f64>,
+    /// Why there is no error although there is ground truth.
+    pub(crate) evaluation_problem: Option<String>,
+    /// Times of each stage, milliseconds, in the order in which the stages first ended.
+    #[serde(serialize_with = "as_object")]
+    pub(crate) stages: Vec<(&'static str, StageTimes)>,
+    /// Median time from decoded images to pose, milliseconds.
+    pub(crate) track_ms_median: Option<f64>,
+    /// Time by the clock from the start of the command to this summary, seconds.
+    pub(crate) wall_s: f64,
+    /// Processor time of all threads, seconds.
+    pub(crate) cpu_s: Option<f64>,
+    /// Largest resident memory, 10^6 bytes.
+    pub(crate) peak_rss_mb: Option<f64>,
+    /// SHA-256 of `trajectory.kitti.txt`.
+    pub(crate) trajectory_sha256: String,
+    /// Seed of all random numbers.
+    pub(crate) seed: u64,
+    /// Each frame without a pose of its own, with the reason.
+    pub(crate) without_pose: Vec<WithoutPose>,
+    /// What the person was told before the run.
+    pub(crate) notices: Vec<String>,
+}
+
+/// Times of a stage, milliseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct StageTimes {
+    /// How often the stage ran.
+    pub(crate) calls: usize,
+    /// Median.
+    pub(crate) median: f64,
+    /// 95th percentile.
+    pub(crate) p95: f64,
+    /// Maximum.
+    pub(crate) max: f64,
+}
+
+/// A frame that has no pose of its own.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct WithoutPose {
+    /// Number of the frame in its sequence.
+    pub(crate) frame: u32,
+    /// `not_ready`, `lost` or `dropped`.
+    pub(crate) state: &'static str,
+    /// Why, with numbers.
+    pub(crate) reason: String,
+}
+
+/// What the summary is made from, beside the outcome.
+#[derive(Clone, Debug)]
+pub(crate) struct Context {
+    /// Name of the sequence.
+    pub(crate) sequence: String,
+    /// The sensor in use.
+    pub(crate) sensor: io::Sensor,
+    /// Seed of all random numbers.
+    pub(crate) seed: u64,
+    /// What the person was told before the run.
+    pub(crate) notices: Vec<String>,
+}
+
+impl Summary {
+    /// Puts the numbers together. `evaluation` is `None` without ground truth.
+    pub(crate) fn new(
+        context: Context,
+        outcome: &RunOutcome,
+        evaluation: Option<&anyhow::Result<Evaluation>>,
+        trajectory_sha256: String,
+        wall_s: f64,
+    ) -> Self {
+        let without_pose = frames_without_pose(&outcome.frames);
+        let count = |state: &str| without_pose.iter().filter(|frame| frame.state == state).count();
+        let errors = evaluation.and_then(|evaluation| evaluation.as_ref().ok());
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            sensor: context.sensor.to_string(),
+            schedule: "sequential",
+            interrupted: outcome.interrupted,
+            frames: outcome.frames.len(),
+            tracked: outcome.frames.len() - without_pose.len(),
+            not_ready: count("not_ready"),
+            lost: count("lost"),
+            dropped: count("dropped"),
+            keyframes: outcome.map.n_keyframes(),
+            points: outcome.map.n_points(),
+            loops: 0,
+            alignment: errors.map(|_| alignment_of(context.sensor).to_string()),
+            ate_rmse_m: errors.map(|e| e.ate.rmse),
+            ate_frames: errors.map(|e| e.ate.n),
+            t_rel_percent: errors.and_then(|e| e.drift.t_rel_percent),
+            r_rel_deg_per_100m: errors.and_then(|e| e.drift.r_rel_deg_per_100m),
+            path_m: errors.map(|e| e.path_m),
+            end_error_percent: errors.and_then(Evaluation::end_error_percent),
+            evaluation_problem: evaluation.and_then(|e| e.as_ref().err()).map(|problem| format!("{problem:#}")),
+            stages: stage_times(&outcome.timings),
+            track_ms_median: outcome.timings.summary("track").map(|track| track.median),
+            wall_s,
+            cpu_s: clock::cpu_seconds(),
+            peak_rss_mb: clock::peak_rss_mb(),
+            trajectory_sha256,
+            sequence: context.sequence,
+            seed: context.seed,
+            without_pose,
+            notices: context.notices,
+        }
+    }
+
+    /// Whether a single frame has a pose.
+    pub(crate) fn is_usable(&self) -> bool {
+        self.tracked > 0
+    }
+}
+
+fn stage_times(timings: &Timings) -> Vec<(&'static str, StageTimes)> {
+    let times = |stage: &'static str| {
+        let s = timings.summary(stage)?;
+        Some((stage, StageTimes { calls: s.calls, median: s.median, p95: s.p95, max: s.max }))
+    };
+    timings.stages().into_iter().filter_map(times).collect()
+}
+
+/// Pairs as one JSON object that keeps their order.
+fn as_object<S: Serializer>(stages: &[(&'static str, StageTimes)], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map(stages.iter().copied())
+}
+
+/// The frames that have no pose of their own, in order, each with its reason.
+fn frames_without_pose(records: &[FrameRecord]) -> Vec<WithoutPose> {
+    let without = |record: &FrameRecord| {
+        let (state, reason) = match &record.status {
+            FrameStatus::Tracked { .. } => return None,
+            FrameStatus::NotReady(reason) => ("not_ready", reason.to_string()),
+            FrameStatus::Lost(reason) => ("lost", reason.to_string()),
+            FrameStatus::Dropped(reason) => ("dropped", reason.clone()),
+        };
+        Some(WithoutPose { frame: record.index, state, reason })
+    };
+    records.iter().filter_map(without).collect()
+}
+
+/// `timings.csv`: a row per frame, a column per stage, milliseconds; empty where a stage did not run.
+pub(crate) fn timings_csv(timings: &Timings) -> String {
+    let stages = timings.stages();
+    let mut text = format!("frame,{}\n", stages.join(","));
+    for row in &timings.rows {
+        let cell = |stage: &&str| {
+            let times: Vec<f64> = row.stages.iter().filter(|(name, _)| name == stage).map(|(_, ms)| *ms).collect();
+            if times.is_empty() { String::new() } else { format!("{:.3}", times.iter().sum::<f64>()) }
+        };
+        let cells: Vec<String> = stages.iter().map(cell).collect();
+        text.push_str(&format!("{},{}\n", row.index, cells.join(",")));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectories::tests::record;
+    use runtime::FrameTimings;
+
+    #[test]
+    fn frames_without_a_pose_are_named_with_their_reason() {
+        let records = [record(3, Some(0.0)), record(4, None), record(5, Some(1.0))];
+        let expected = WithoutPose { frame: 4, state: "dropped", reason: "no image".to_owned() };
+        assert_eq!(frames_without_pose(&records), [expected]);
+    }
+
+    #[test]
+    fn a_stage_that_ran_twice_is_summed_and_one_that_did_not_is_empty() {
+        let rows = vec![
+            FrameTimings { index: 7, stages: vec![("extract", 2.0), ("track", 3.0)] },
+            FrameTimings { index: 8, stages: vec![("track", 1.25), ("fuse", 0.5), ("fuse", 0.25)] },
+        ];
+        assert_eq!(timings_csv(&Timings { rows }), "frame,extract,track,fuse\n7,2.000,3.000,\n8,,1.250,0.750\n");
+    }
+}

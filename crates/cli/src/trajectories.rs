@@ -1,0 +1,60 @@
+//! From the records of a run to the trajectories that are written and evaluated.
+
+use geometry::SE3;
+use io::{StampedPose, Trajectory};
+use runtime::FrameRecord;
+
+/// The frame's own pose `world_from_cam`: only of frames that were tracked.
+pub(crate) fn own_pose(record: &FrameRecord) -> Option<SE3> {
+    record.world_from_cam.filter(|_| record.status.has_pose())
+}
+
+/// A pose per frame. Frames without one of their own repeat the last one before them; before the first: identity.
+pub(crate) fn pose_per_frame(records: &[FrameRecord]) -> Trajectory {
+    let mut last = SE3::identity();
+    let poses = records.iter().map(|record| {
+        last = own_pose(record).unwrap_or(last);
+        StampedPose { timestamp_s: record.timestamp_s, world_from_cam: last }
+    });
+    Trajectory { poses: poses.collect() }
+}
+
+/// The poses of the frames that have one of their own.
+pub(crate) fn tracked_poses(records: &[FrameRecord]) -> Trajectory {
+    let pose = |record: &FrameRecord| {
+        Some(StampedPose { timestamp_s: record.timestamp_s, world_from_cam: own_pose(record)? })
+    };
+    Trajectory { poses: records.iter().filter_map(pose).collect() }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use geometry::{SO3, Vec3};
+    use runtime::FrameStatus;
+
+    /// A frame at x = `x` metres, or a dropped one.
+    pub(crate) fn record(index: u32, x: Option<f64>) -> FrameRecord {
+        let world_from_cam = x.map(|x| SE3::new(SO3::identity(), Vec3::new(x, 0.0, 0.0)));
+        let status = match x {
+            Some(_) => FrameStatus::Tracked { inliers: 100 },
+            None => FrameStatus::Dropped("no image".to_owned()),
+        };
+        FrameRecord { index, timestamp_s: f64::from(index) * 0.1, status, world_from_cam }
+    }
+
+    #[test]
+    fn frames_without_a_pose_repeat_the_last_one_and_start_at_the_identity() {
+        let mut records: Vec<FrameRecord> = [None, Some(1.0), None, None, Some(4.0)]
+            .into_iter()
+            .enumerate()
+            .map(|(i, x)| record(i as u32, x))
+            .collect();
+        // A dropped frame that carries the last known pose has none of its own.
+        records[2].world_from_cam = Some(SE3::new(SO3::identity(), Vec3::new(9.0, 0.0, 0.0)));
+        let x = |t: &Trajectory| t.poses.iter().map(|p| p.world_from_cam.translation.x).collect::<Vec<_>>();
+        assert_eq!(x(&pose_per_frame(&records)), [0.0, 1.0, 1.0, 1.0, 4.0]);
+        assert_eq!(x(&tracked_poses(&records)), [1.0, 4.0]);
+        assert_eq!(tracked_poses(&records).poses[1].timestamp_s, 0.4);
+    }
+}

@@ -1,0 +1,67 @@
+//! `--help` of each command: examples and exit codes are there, and the README says the same.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at the first problem")]
+
+use std::path::Path;
+use std::process::Command;
+
+fn dsslam(args: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_dsslam")).args(args).output().unwrap();
+    (output.status.code(), String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap())
+}
+
+/// Commands that run something: their help has examples and the exit codes.
+const COMMANDS: [&[&str]; 5] = [&[], &["run"], &["demo"], &["synth"], &["config"]];
+
+fn help(command: &[&str]) -> String {
+    let (code, text) = dsslam(&[command, &["--help"]].concat());
+    assert_eq!(code, Some(0));
+    text
+}
+
+#[test]
+fn every_command_has_examples_and_exit_codes() {
+    for command in COMMANDS {
+        let text = help(command);
+        assert!(text.contains("\nExamples:\n  dsslam "), "{command:?}\n{text}");
+        assert!(text.contains("\nExit codes:\n  0  "), "{command:?}\n{text}");
+    }
+}
+
+#[test]
+fn the_readme_documents_the_same_exit_codes() {
+    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md")).unwrap();
+    let text = help(&[]);
+    let codes = text.split("Exit codes:\n").nth(1).unwrap();
+    assert!(codes.lines().count() >= 5, "{codes}");
+    for line in codes.lines() {
+        let (code, meaning) = line.trim().split_once(' ').unwrap();
+        let row = format!("| {code} | {} |", meaning.trim());
+        assert!(readme.contains(&row), "README.md lacks the row {row}");
+    }
+}
+
+#[test]
+fn the_default_configuration_passes_its_own_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("default.yaml");
+    let (code, yaml) = dsslam(&["config", "default"]);
+    assert_eq!(code, Some(0));
+    std::fs::write(&file, &yaml).unwrap();
+    assert_eq!(dsslam(&["config", "check", file.to_str().unwrap()]).0, Some(0));
+    std::fs::write(&file, yaml + "\nunknown: 1\n").unwrap();
+    let (code, text) = dsslam(&["config", "check", file.to_str().unwrap()]);
+    assert_eq!(code, Some(2));
+    assert!(text.contains("unknown: unknown key"), "{text}");
+}
+
+#[test]
+fn no_arguments_and_unknown_commands_end_with_code_2() {
+    assert_eq!(dsslam(&[]).0, Some(2));
+    let (code, text) = dsslam(&["rum"]);
+    assert!(code == Some(2) && text.contains("'run'"), "{text}");
+}
+
+#[test]
+fn the_version_is_that_of_the_package() {
+    assert_eq!(dsslam(&["--version"]), (Some(0), format!("dsslam {}\n", env!("CARGO_PKG_VERSION"))));
+}
