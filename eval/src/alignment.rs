@@ -3,10 +3,8 @@
 use std::fmt;
 
 use anyhow::{Result, anyhow, ensure};
-use geometry::{SE3, Sim3, Vec3};
+use geometry::{SE3, Sim3, Vec3, align_umeyama};
 use serde::{Deserialize, Serialize};
-
-use crate::umeyama::align_umeyama;
 
 /// What may be moved before the estimate is compared with the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -35,7 +33,7 @@ impl fmt::Display for Alignment {
 /// `est` and `gt` are matched poses `world_from_cam`, element by element.
 ///
 /// # Errors
-/// Different lengths, fewer than three poses, or positions that do not determine the alignment (all in one place).
+/// Different lengths, fewer than three poses, or positions that do not determine the alignment (all on one line).
 pub fn estimate_alignment(est: &[SE3], gt: &[SE3], alignment: Alignment) -> Result<Sim3> {
     check_matched(est, gt)?;
     let with_scale = match alignment {
@@ -45,7 +43,7 @@ pub fn estimate_alignment(est: &[SE3], gt: &[SE3], alignment: Alignment) -> Resu
     };
     ensure!(est.len() >= 3, "alignment {alignment} needs at least 3 matched poses, found {}", est.len());
     align_umeyama(&positions(est), &positions(gt), None, with_scale).ok_or_else(|| {
-        anyhow!("alignment {alignment} is not determined: the {} positions lie in one place", est.len())
+        anyhow!("alignment {alignment} is not determined: the {} positions lie on one line or in one place", est.len())
     })
 }
 

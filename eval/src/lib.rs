@@ -8,10 +8,13 @@ pub mod association;
 pub mod ate;
 pub mod coverage;
 pub mod drift;
+pub mod loops;
 pub mod plot;
+pub mod precision_recall;
 pub mod read;
+pub mod rpe;
+pub mod scale_drift;
 pub mod statistics;
-mod umeyama;
 
 pub use alignment::{Alignment, apply_alignment, estimate_alignment, positions};
 pub use association::{Association, Pairs, TIMESTAMP_TOLERANCE_S, associate};
@@ -20,5 +23,9 @@ pub use coverage::{Coverage, fill_lost};
 pub use drift::{
     Drift, DriftBin, DriftOfSequences, KITTI_LENGTHS_M, Segment, kitti_drift, kitti_drift_sparse, pool_drift,
 };
+pub use loops::{LoopScore, LoopTruth, SamePlace, score_loops};
+pub use precision_recall::{Detection, PrecisionRecall, PrecisionRecallCurve, precision_recall};
 pub use read::{Format, TrajectoryFile, read_trajectory_file};
+pub use rpe::{DeltaUnit, PairMode, RpeOptions, RpeReport, rpe};
+pub use scale_drift::{ScaleDrift, ScaleWindow, scale_drift};
 pub use statistics::Statistics;

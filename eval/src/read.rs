@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use geometry::{Mat3, SE3, SO3, Vec3};
 use io::{StampedPose, Trajectory};
+use nalgebra::{Quaternion, UnitQuaternion};
 use serde::Serialize;
 
 /// Largest entry of `R^T R - I` that still passes for rounding in a file.
@@ -31,6 +32,8 @@ pub struct TrajectoryFile {
     pub format: Format,
     /// Whether each line carries its frame number (KITTI with 13 columns), so that frames may be missing.
     pub has_frame_numbers: bool,
+    /// Rows left out because their time equals that of the row before.
+    pub n_repeated_times: usize,
 }
 
 /// Reads a trajectory; without `format` the first line with data decides.
@@ -44,14 +47,9 @@ pub struct TrajectoryFile {
 pub fn read_trajectory_file(path: &Path, format: Option<Format>) -> Result<TrajectoryFile> {
     match format {
         Some(Format::Kitti) => read_kitti(path),
-        Some(Format::Tum) => Ok(timed(io::read_tum(path)?, Format::Tum)),
-        Some(Format::Euroc) => Ok(timed(io::read_euroc(path)?, Format::Euroc)),
+        Some(timed) => read_timed(path, timed),
         None => read_trajectory_file(path, Some(detect(path)?)),
     }
-}
-
-fn timed(trajectory: Trajectory, format: Format) -> TrajectoryFile {
-    TrajectoryFile { trajectory, format, has_frame_numbers: false }
 }
 
 fn detect(path: &Path) -> Result<Format> {
@@ -77,7 +75,7 @@ fn read_kitti(path: &Path) -> Result<TrajectoryFile> {
     let mut columns = None;
     for (number, line) in data_lines(&text) {
         let place = || format!("{}:{number}", path.display());
-        let values = numbers(line).with_context(place)?;
+        let values = numbers(line.split_whitespace()).with_context(place)?;
         let n_columns = *columns.get_or_insert(values.len());
         ensure!(
             matches!(values.len(), 12 | 13) && values.len() == n_columns,
@@ -99,7 +97,57 @@ fn read_kitti(path: &Path) -> Result<TrajectoryFile> {
         trajectory: Trajectory { poses },
         format: Format::Kitti,
         has_frame_numbers: columns == Some(13),
+        n_repeated_times: 0,
     })
+}
+
+/// TUM and EuRoC: a time, a position and a quaternion.
+fn read_timed(path: &Path, format: Format) -> Result<TrajectoryFile> {
+    let text = read_text(path)?;
+    let mut poses: Vec<StampedPose> = Vec::new();
+    let mut n_repeated_times = 0;
+    for (number, line) in data_lines(&text) {
+        let place = || format!("{}:{number}", path.display());
+        let pose = if format == Format::Tum { tum_row(line) } else { euroc_row(line) }.with_context(place)?;
+        match poses.last().map(|previous| previous.timestamp_s) {
+            Some(before) if pose.timestamp_s < before => bail!(
+                "{}: timestamps are not increasing: {:.6} s after {before:.6} s",
+                place(),
+                pose.timestamp_s
+            ),
+            // Happens in published ground truth (TUM fr2/desk): the first of equal times counts.
+            Some(before) if pose.timestamp_s == before => n_repeated_times += 1,
+            _ => poses.push(pose),
+        }
+    }
+    ensure!(!poses.is_empty(), "{}: the file is empty", path.display());
+    Ok(TrajectoryFile { trajectory: Trajectory { poses }, format, has_frame_numbers: false, n_repeated_times })
+}
+
+fn tum_row(line: &str) -> Result<StampedPose> {
+    let v = numbers(line.split_whitespace())?;
+    ensure!(v.len() == 8, "found {} numbers, expected 8 (timestamp tx ty tz qx qy qz qw)", v.len());
+    stamped(v[0], [v[1], v[2], v[3]], [v[7], v[4], v[5], v[6]])
+}
+
+fn euroc_row(line: &str) -> Result<StampedPose> {
+    let mut fields = line.split(',').map(str::trim);
+    let n = fields.clone().count();
+    ensure!(n >= 8, "found {n} fields, expected at least 8 (ns, px, py, pz, qw, qx, qy, qz)");
+    let stamp = fields.next().unwrap_or_default();
+    let Ok(nanoseconds) = stamp.parse::<u64>() else {
+        bail!("found '{stamp}', expected whole nanoseconds");
+    };
+    let v = numbers(fields.take(7))?;
+    stamped(nanoseconds as f64 * 1e-9, [v[0], v[1], v[2]], [v[3], v[4], v[5], v[6]])
+}
+
+fn stamped(timestamp_s: f64, position: [f64; 3], wxyz: [f64; 4]) -> Result<StampedPose> {
+    let q = Quaternion::new(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+    let length = q.norm();
+    ensure!((length - 1.0).abs() <= ROTATION_TOLERANCE, "the quaternion has length {length:.6}, expected 1");
+    let rotation = SO3::from_quaternion(&UnitQuaternion::from_quaternion(q));
+    Ok(StampedPose { timestamp_s, world_from_cam: SE3::new(rotation, Vec3::from(position)) })
 }
 
 fn pose(row: &[f64]) -> Result<SE3> {
@@ -124,8 +172,8 @@ fn data_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
         .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
 }
 
-fn numbers(line: &str) -> Result<Vec<f64>> {
-    line.split_whitespace()
+fn numbers<'a>(fields: impl Iterator<Item = &'a str>) -> Result<Vec<f64>> {
+    fields
         .map(|field| match field.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(anyhow!("found {field}, expected a finite number")),

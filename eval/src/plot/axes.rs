@@ -126,7 +126,7 @@ pub(crate) struct Key<'a> {
     pub(crate) width: f64,
 }
 
-/// Title and legend above the frame; returns the height used, logical pixels.
+/// Title and legend above the frame.
 pub(crate) fn header<B: DrawingBackend>(
     canvas: &Canvas<'_, B>,
     width: f64,

@@ -63,7 +63,7 @@ pub fn render(figure: &impl Figure) -> Result<RgbImage> {
     let mut pixels = vec![255; size.0 as usize * size.1 as usize * 3];
     {
         let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
-        figure.draw(&Canvas { area: &area })?;
+        figure.draw(&Canvas { area: &area, lines: Lines::Segments })?;
         area.present()?;
     }
     Ok(shrink(&pixels, size.0))
@@ -78,13 +78,13 @@ pub fn svg(figure: &impl Figure) -> Result<String> {
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        figure.draw(&Canvas { area: &area })?;
+        figure.draw(&Canvas { area: &area, lines: Lines::Whole })?;
         area.present()?;
     }
     let (width, height) = figure.size();
     Ok(text.replacen(
         &format!("width=\"{}\" height=\"{}\"", size.0, size.1),
-        &format!("width=\"{width}\" height=\"{height}\""),
+        &format!("width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\""),
         1,
     ))
 }
@@ -137,6 +137,17 @@ fn shrink(pixels: &[u8], width: u32) -> RgbImage {
 /// A part of a figure, in logical pixels.
 pub struct Canvas<'a, B: DrawingBackend> {
     area: &'a DrawingArea<B, Shift>,
+    lines: Lines,
+}
+
+/// How a thick line is handed to the backend.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lines {
+    /// Segment by segment with discs as joints: the bitmap backend fills a whole outline by the even-odd rule, so that
+    /// a path that runs over itself would vanish there.
+    Segments,
+    /// As one path.
+    Whole,
 }
 
 /// Where a text hangs from its point.
@@ -191,9 +202,19 @@ where
     pub(crate) fn line(&self, points: &[(f64, f64)], color: RGBColor, width: f64) -> Result<()> {
         let mut path: Vec<(i32, i32)> = points.iter().map(|&p| drawn(p)).collect();
         path.dedup();
-        let width = (width * f64::from(UNIT)).round().max(1.0);
-        let style = color.stroke_width(width as u32);
-        Ok(self.area.draw(&PathElement::new(path, style))?)
+        let width = (width * f64::from(UNIT)).round().max(1.0) as u32;
+        let style = color.stroke_width(width);
+        if self.lines == Lines::Whole || path.len() < 2 {
+            return Ok(self.area.draw(&PathElement::new(path, style))?);
+        }
+        let has_joints = width > UNIT && path.len() > 2;
+        for ends in path.windows(2) {
+            self.area.draw(&PathElement::new(ends, style))?;
+            if has_joints {
+                self.area.draw(&Circle::new(ends[1], width / 2, color.filled()))?;
+            }
+        }
+        Ok(())
     }
 
     /// A filled rectangle between two corners.
