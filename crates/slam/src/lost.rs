@@ -28,6 +28,19 @@ pub enum Lost {
     },
 }
 
+impl Lost {
+    /// Of two failed attempts the one that came further; of equals the first.
+    #[must_use]
+    pub fn further(self, other: Lost) -> Lost {
+        let progress = |lost: &Lost| match *lost {
+            Lost::TooFewMatches { found, .. } => (0, found),
+            Lost::TooFewPredictedInliers { found, .. } => (1, found),
+            Lost::TooFewLocalInliers { found, .. } => (2, found),
+        };
+        if progress(&other) > progress(&self) { other } else { self }
+    }
+}
+
 impl fmt::Display for Lost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -25,6 +25,10 @@ pub struct TrackingParams {
     pub keyframe_ratio: f64,
     /// Features nearer than this depth count as close, metres.
     pub close_depth_m: f64,
+    /// Fewer tracked close points than this, with enough untracked ones, ask for a keyframe.
+    pub min_close_tracked: usize,
+    /// More untracked close features than this can be turned into points.
+    pub max_close_untracked: usize,
 }
 
 /// Parameters of the mapper.
@@ -79,6 +83,8 @@ impl Params {
                 max_keyframe_gap: frame_rate_hz.round().max(1.0) as u32,
                 keyframe_ratio: 0.75,
                 close_depth_m,
+                min_close_tracked: 100,
+                max_close_untracked: 70,
             },
             mapping: MappingParams {
                 neighbours: 10,

@@ -8,10 +8,6 @@ use map::Map;
 use super::Tracker;
 use super::local_map::LocallyTracked;
 
-/// Fewer tracked close points than this, with enough untracked ones, ask for a keyframe.
-const MIN_CLOSE_TRACKED: usize = 100;
-/// More untracked close features than this could be turned into points.
-const MIN_CLOSE_UNTRACKED: usize = 70;
 /// Ratio below which tracking is weak, whatever the mapper does.
 const WEAK_RATIO: f64 = 0.25;
 /// Ratio of a map with a single keyframe.
@@ -54,11 +50,14 @@ pub(crate) struct Counts {
     pub(crate) close_tracked: usize,
     pub(crate) close_untracked: usize,
     pub(crate) ratio: f64,
+    pub(crate) min_close_tracked: usize,
+    pub(crate) max_close_untracked: usize,
 }
 
 /// Conditions A (gap), B (idle mapper), C (weak) and D (worth it); a keyframe is due when (A or B or C) and D.
 pub(crate) fn decide(counts: &Counts) -> Option<KeyframeReason> {
-    let few_close = counts.close_tracked < MIN_CLOSE_TRACKED && counts.close_untracked > MIN_CLOSE_UNTRACKED;
+    let few_close = counts.close_tracked < counts.min_close_tracked
+        && counts.close_untracked > counts.max_close_untracked;
     let ratio = if counts.n_keyframes < 2 { YOUNG_RATIO } else { counts.ratio };
     let reference = counts.reference_points as f64;
     let few_shared = (counts.inliers as f64) < ratio * reference;
@@ -107,6 +106,8 @@ impl Tracker {
             close_tracked: close(true),
             close_untracked: close(false),
             ratio: self.params.tracking.keyframe_ratio,
+            min_close_tracked: self.params.tracking.min_close_tracked,
+            max_close_untracked: self.params.tracking.max_close_untracked,
         })
     }
 }
@@ -136,6 +137,8 @@ mod tests {
         close_tracked: 200,
         close_untracked: 200,
         ratio: 0.75,
+        min_close_tracked: 100,
+        max_close_untracked: 70,
     };
 
     #[test]

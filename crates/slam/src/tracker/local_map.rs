@@ -7,7 +7,7 @@ use geometry::SE3;
 use map::{KeyframeId, Map, PointCount, PointId};
 use rayon::prelude::*;
 
-use super::pose::refine;
+use super::pose::{RefinedPose, refine};
 use super::predict::{MAX_DISTANCE_WIDE, Prediction};
 use crate::assign::one_to_one;
 use crate::params::TrackingParams;
@@ -45,6 +45,13 @@ pub(crate) struct LocallyTracked {
     pub(crate) n_matches: usize,
     pub(crate) n_points: usize,
     pub(crate) counts: Vec<PointCount>,
+}
+
+/// What one search of the local map gave.
+struct Searched {
+    visible: Vec<(PointId, Projection)>,
+    refined: RefinedPose,
+    n_matches: usize,
 }
 
 impl LocalMap {
@@ -89,25 +96,36 @@ impl LocalMap {
         predicted: &Prediction,
         params: &TrackingParams,
     ) -> LocallyTracked {
-        let visible = self.visible(frame, map, &predicted.cam_from_world, &predicted.matches);
-        let widening = if predicted.without_motion_model { WIDENING_WITHOUT_MOTION } else { 1.0 };
-        let found =
-            search(frame, map, &visible, &predicted.matches, params.local_radius_factor.max(widening));
-        let mut matches = predicted.matches.clone();
-        matches.extend(found);
-        matches.sort_unstable();
-        let refined = refine(frame, map, predicted.cam_from_world, &matches);
+        let factor = params.local_radius_factor;
+        let mut start = predicted.clone();
+        if predicted.without_motion_model {
+            // A rough pose: a first search in wide windows makes it a good one.
+            let wide = self.search_and_refine(frame, map, &start, factor.max(WIDENING_WITHOUT_MOTION));
+            start.cam_from_world = wide.refined.cam_from_world;
+            start.matches = wide.refined.inliers;
+        }
+        let Searched { visible, refined, n_matches } = self.search_and_refine(frame, map, &start, factor);
         let reference_from_world =
             map.keyframe(self.reference).map_or(SE3::identity(), |kf| kf.cam_from_world);
         LocallyTracked {
             cam_from_world: refined.cam_from_world,
             reference: self.reference,
             cam_from_reference: (refined.cam_from_world * reference_from_world.inverse()).normalized(),
-            counts: count(&visible, &predicted.matches, &refined.inliers),
-            n_matches: matches.len(),
+            counts: count(&visible, &start.matches, &refined.inliers),
+            n_matches,
             n_points: self.points.len(),
             matches: refined.inliers,
         }
+    }
+
+    /// Adds matches in windows of `factor` times the usual size and optimises the pose with all.
+    fn search_and_refine(&self, frame: &Frame, map: &Map, start: &Prediction, factor: f32) -> Searched {
+        let visible = self.visible(frame, map, &start.cam_from_world, &start.matches);
+        let mut matches = start.matches.clone();
+        matches.extend(search(frame, map, &visible, &start.matches, factor));
+        matches.sort_unstable();
+        let refined = refine(frame, map, start.cam_from_world, &matches);
+        Searched { visible, refined, n_matches: matches.len() }
     }
 
     /// The local points that the frame should see and that are not matched yet.

@@ -19,7 +19,8 @@ use crate::probe::{Probe, Stage, staged};
 pub use keyframe_policy::KeyframeReason;
 pub(crate) use keyframe_policy::stereo_observations;
 use last_frame::LastFrame;
-use local_map::LocalMap;
+use local_map::{LocalMap, LocallyTracked};
+use predict::{Attempt, Prediction};
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,32 +114,10 @@ impl Tracker {
             return self.start(frame);
         };
         let last_cam_from_world = last.cam_from_world(map);
-        let prediction = staged(probe, Stage::Predict, || self.predict(frame, map, &last));
-        let predicted = match prediction {
-            Ok(predicted) => predicted,
+        let (local, stats) = match self.find_pose(frame, map, &last, probe) {
+            Ok(found) => found,
             Err(lost) => return self.lose(last, lost),
         };
-        let mut stats = TrackStats {
-            predicted: predicted.matches.len(),
-            without_motion_model: predicted.without_motion_model,
-            ..TrackStats::default()
-        };
-        let local = staged(probe, Stage::LocalMap, || {
-            LocalMap::gather(map, &predicted.matches, last.reference, &self.params.tracking).track(
-                frame,
-                map,
-                &predicted,
-                &self.params.tracking,
-            )
-        });
-        stats.local_points = local.n_points;
-        stats.visible = local.counts.iter().filter(|count| count.seen > 0).count();
-        stats.matches = local.n_matches;
-        stats.inliers = local.matches.len();
-        let needed = self.params.tracking.min_inliers;
-        if stats.inliers < needed {
-            return self.lose(last, Lost::TooFewLocalInliers { found: stats.inliers, needed });
-        }
         let motion = (local.cam_from_world * last_cam_from_world.inverse()).normalized();
         self.velocity = Some(predict::scaled(&motion, 1.0 / f64::from(last.intervals_to(frame))));
         let keyframe = staged(probe, Stage::Decide, || self.decide_keyframe(frame, map, &local, mapper_idle))
@@ -162,6 +141,42 @@ impl Tracker {
             keyframe,
             stats,
         }
+    }
+
+    /// Tries the ways of prediction in turn, each confirmed by the local map. The reason of the attempt that came
+    /// furthest is returned if all fail.
+    fn find_pose(
+        &self,
+        frame: &Frame,
+        map: &Map,
+        last: &LastFrame,
+        probe: &mut dyn Probe,
+    ) -> Result<(LocallyTracked, TrackStats), Lost> {
+        let attempts = match self.velocity {
+            Some(_) => [Attempt::Motion, Attempt::Recovery],
+            None => [Attempt::Recovery, Attempt::Motion],
+        };
+        let mut reason: Option<Lost> = None;
+        for attempt in attempts {
+            let lost = match staged(probe, Stage::Predict, || self.predict(attempt, frame, map, last)) {
+                Err(lost) => lost,
+                Ok(predicted) => {
+                    let local = staged(probe, Stage::LocalMap, || {
+                        LocalMap::gather(map, &predicted.matches, last.reference, &self.params.tracking)
+                            .track(frame, map, &predicted, &self.params.tracking)
+                    });
+                    let (found, needed) = (local.matches.len(), self.params.tracking.min_inliers);
+                    if found >= needed {
+                        let stats = stats_of(&predicted, &local);
+                        return Ok((local, stats));
+                    }
+                    Lost::TooFewLocalInliers { found, needed }
+                }
+            };
+            reason = Some(reason.map_or(lost, |earlier| earlier.further(lost)));
+        }
+        Err(reason
+            .unwrap_or(Lost::TooFewMatches { found: 0, needed: self.params.tracking.min_reference_matches }))
     }
 
     /// Asks for the first keyframe if the frame has enough depth.
@@ -205,5 +220,16 @@ impl Tracker {
         };
         self.last = Some(last);
         tracked
+    }
+}
+
+fn stats_of(predicted: &Prediction, local: &LocallyTracked) -> TrackStats {
+    TrackStats {
+        predicted: predicted.matches.len(),
+        local_points: local.n_points,
+        visible: local.counts.len(),
+        matches: local.n_matches,
+        inliers: local.matches.len(),
+        without_motion_model: predicted.without_motion_model,
     }
 }

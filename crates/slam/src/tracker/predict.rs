@@ -23,35 +23,53 @@ pub(crate) struct Prediction {
     pub(crate) without_motion_model: bool,
 }
 
+/// A way to predict a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Attempt {
+    /// The last frame's points, searched where a constant velocity puts them.
+    Motion,
+    /// Descriptors matched against keyframes, without any prediction.
+    Recovery,
+}
+
 impl Tracker {
-    /// Tries the ways of prediction in turn. The reason of the last refusal is returned if all fail.
-    pub(super) fn predict(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Result<Prediction, Lost> {
+    /// Predicts in one way.
+    pub(super) fn predict(
+        &self,
+        attempt: Attempt,
+        frame: &Frame,
+        map: &Map,
+        last: &LastFrame,
+    ) -> Result<Prediction, Lost> {
+        match attempt {
+            Attempt::Motion => self.predict_by_motion(frame, map, last),
+            Attempt::Recovery => {
+                recover::recover(frame, map, last, &self.params).map(|pose| Prediction::from_pose(pose, true))
+            }
+        }
+    }
+
+    /// Searches the last frame's points where the motion model puts them, in a window and then in twice the window.
+    fn predict_by_motion(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Result<Prediction, Lost> {
+        let tracking = &self.params.tracking;
         let last_cam_from_world = last.cam_from_world(map);
         let predicted = match self.velocity {
             Some(velocity) => scaled(&velocity, f64::from(last.intervals_to(frame))) * last_cam_from_world,
             None => last_cam_from_world,
         };
-        if let Some(pose) = self.predict_by_motion(frame, map, last, predicted) {
-            return Ok(Prediction::from_pose(pose, false));
+        let mut matches = search_last(frame, map, last, &predicted, tracking.motion_radius_px);
+        if matches.len() < tracking.min_motion_matches {
+            matches = search_last(frame, map, last, &predicted, 2.0 * tracking.motion_radius_px);
         }
-        recover::recover(frame, map, last, &self.params).map(|pose| Prediction::from_pose(pose, true))
-    }
-
-    /// Searches the last frame's points where the motion model puts them, in a window and then in twice the window.
-    fn predict_by_motion(
-        &self,
-        frame: &Frame,
-        map: &Map,
-        last: &LastFrame,
-        predicted: SE3,
-    ) -> Option<RefinedPose> {
-        let tracking = &self.params.tracking;
-        let matches = [1.0, 2.0].into_iter().find_map(|widening| {
-            let matches = search_last(frame, map, last, &predicted, tracking.motion_radius_px * widening);
-            (matches.len() >= tracking.min_motion_matches).then_some(matches)
-        })?;
+        if matches.len() < tracking.min_motion_matches {
+            return Err(Lost::TooFewMatches { found: matches.len(), needed: tracking.min_motion_matches });
+        }
         let pose = refine(frame, map, predicted, &matches);
-        (pose.inliers.len() >= tracking.min_predicted_inliers).then_some(pose)
+        let (found, needed) = (pose.inliers.len(), tracking.min_predicted_inliers);
+        if found < needed {
+            return Err(Lost::TooFewPredictedInliers { found, needed });
+        }
+        Ok(Prediction::from_pose(pose, false))
     }
 }
 
