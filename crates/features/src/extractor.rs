@@ -32,7 +32,7 @@ struct Worker {
     corners: Vec<Corner>,
     kept: Vec<u32>,
     blurred: Plane,
-    line: Vec<u16>,
+    line: Vec<i16>,
     features: Features,
 }
 

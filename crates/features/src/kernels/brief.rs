@@ -2,13 +2,15 @@
 
 use crate::descriptor::Descriptor;
 use crate::kernels::Simd;
+#[cfg(target_arch = "x86_64")]
+use crate::kernels::avx2;
 use crate::pattern::BIT_PATTERN;
 
 /// Largest distance in rows or columns of a rotated, rounded pattern point from the centre.
 pub(crate) const REACH: usize = 19;
 
 /// The descriptor at `offset` in `data` with the pattern turned by the angle of this cosine and sine; coordinates are
-/// rounded half to even. All rows within [`REACH`] must exist.
+/// rounded half to even. All values within [`REACH`] rows and columns must exist, and three more behind the last.
 pub(crate) fn describe(
     simd: Simd,
     data: &[u8],
@@ -17,6 +19,10 @@ pub(crate) fn describe(
     cos: f32,
     sin: f32,
 ) -> Descriptor {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(token) = simd.avx2() {
+        return avx2::brief::describe(token, data, stride, offset, cos, sin);
+    }
     let _ = simd;
     let value = |x: i8, y: i8| {
         let (x, y) = (f32::from(x), f32::from(y));

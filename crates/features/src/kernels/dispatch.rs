@@ -15,8 +15,8 @@ pub(crate) trait Task {
 #[inline]
 pub(crate) fn dispatch<T: Task>(simd: Simd, task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
-    if simd.has_avx2() {
-        // SAFETY: `has_avx2` holds only where both features were detected.
+    if simd.avx2().is_some() {
+        // SAFETY: the token exists only where both features were detected.
         return unsafe { run_avx2(task) };
     }
     let _ = simd;

@@ -4,6 +4,8 @@
 //! pixels to the centre, the largest over the 16 arcs of the least difference in the arc, minus one.
 
 use crate::kernels::Simd;
+#[cfg(target_arch = "x86_64")]
+use crate::kernels::avx2;
 
 /// Radius of the ring in pixels.
 pub(crate) const RADIUS: usize = 3;
@@ -37,7 +39,12 @@ pub(crate) fn score_row(
     threshold: u8,
     scores: &mut [u8],
 ) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(token) = simd.avx2() {
+        return avx2::fast::score_row(token, rows, first, end, threshold, scores);
+    }
     let _ = simd;
+    scores[end..end + 32].fill(0);
     for (x, score) in (first..end).zip(&mut scores[first..end]) {
         let value = score_at(rows, x);
         *score = if value >= threshold { value } else { 0 };
@@ -72,6 +79,10 @@ pub(crate) fn local_maxima(
     end: usize,
     mut found: impl FnMut(usize, u8),
 ) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(token) = simd.avx2() {
+        return avx2::fast::local_maxima(token, [above, middle, below], first, end, found);
+    }
     let _ = simd;
     for x in first..end {
         let score = middle[x];

@@ -1,5 +1,7 @@
 //! The inner loops on pixels: each has a scalar form and, where the processor has it, an AVX2 form with equal bits.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 pub(crate) mod blur;
 pub(crate) mod brief;
 pub(crate) mod dispatch;
@@ -7,31 +9,39 @@ pub(crate) mod fast;
 pub(crate) mod moments;
 pub(crate) mod resize;
 
-/// Which form of the kernels runs; only [`Simd::detect`] makes one that permits AVX2.
+#[cfg(test)]
+mod tests;
+
+/// Which form of the kernels runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Simd {
-    avx2: bool,
+    avx2: Option<Avx2>,
 }
+
+/// Proof that the processor has AVX2 and the population count instruction; only [`Simd::detect`] makes one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Avx2(());
 
 impl Simd {
     /// The fastest form that this processor can run.
+    #[inline]
     pub(crate) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
-        let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt");
+        let found = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt");
         #[cfg(not(target_arch = "x86_64"))]
-        let avx2 = false;
-        Self { avx2 }
+        let found = false;
+        Self { avx2: found.then_some(Avx2(())) }
     }
 
     /// The scalar form, for comparison.
     #[cfg(test)]
     pub(crate) fn scalar() -> Self {
-        Self { avx2: false }
+        Self { avx2: None }
     }
 
-    /// Whether AVX2 and the population count instruction may be used.
+    /// The permission to use AVX2, where there is one.
     #[inline]
-    pub(crate) fn has_avx2(self) -> bool {
+    pub(crate) fn avx2(self) -> Option<Avx2> {
         self.avx2
     }
 }

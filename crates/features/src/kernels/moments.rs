@@ -1,6 +1,8 @@
 //! First moments of the brightness in a disc, for the orientation of a corner (Rosin's intensity centroid).
 
 use crate::kernels::Simd;
+#[cfg(target_arch = "x86_64")]
+use crate::kernels::avx2;
 
 /// Radius of the disc in pixels.
 pub(crate) const RADIUS: usize = 15;
@@ -8,8 +10,13 @@ pub(crate) const RADIUS: usize = 15;
 pub(crate) const HALF_WIDTH: [usize; RADIUS + 1] =
     [15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3];
 
-/// `(sum of dx * value, sum of dy * value)` over the disc centred at `offset` in `data`.
+/// `(sum of dx * value, sum of dy * value)` over the disc centred at `offset` in `data`; one value more behind
+/// each row must exist.
 pub(crate) fn moments(simd: Simd, data: &[u8], stride: usize, offset: usize) -> (i32, i32) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(token) = simd.avx2() {
+        return avx2::moments::moments(token, data, stride, offset);
+    }
     let _ = simd;
     let (mut m10, mut m01) = (0, 0);
     for row in 0..=2 * RADIUS {

@@ -1,6 +1,8 @@
 //! Bilinear reduction of an image, in integers: weights of 11 bits across, 15 bits down, each rounded half up.
 
 use crate::kernels::Simd;
+#[cfg(target_arch = "x86_64")]
+use crate::kernels::avx2;
 use crate::plane::{Plane, SLACK};
 
 /// Weight of a whole pixel across.
@@ -10,11 +12,19 @@ const ONE_Y: f64 = (1 << 15) as f64;
 
 /// Where the pixels of one row or column of the result come from.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tap {
+struct Tap {
     /// The first of the two source pixels.
-    pub(crate) first: u32,
+    first: u32,
     /// Weight of the second, the first has the rest.
-    pub(crate) weight: i16,
+    weight: i16,
+}
+
+/// Eight pixels of the result: `base` and `shuffle` give the pairs of source pixels, `weights` their weights.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block {
+    pub(crate) base: u32,
+    pub(crate) shuffle: [u8; 16],
+    pub(crate) weights: [i16; 16],
 }
 
 /// Precomputed sampling of one reduction and its row buffers.
@@ -23,6 +33,7 @@ pub(crate) struct Resizer {
     source: (usize, usize),
     target: (usize, usize),
     columns: Vec<Tap>,
+    blocks: Vec<Block>,
     rows: Vec<Tap>,
     lines: [Vec<i16>; 2],
 }
@@ -41,10 +52,10 @@ impl Resizer {
             self.source = (source.width(), source.height());
             self.target = (width, height);
             self.columns = taps(source.width(), width, f64::from(ONE_X));
+            self.blocks = blocks(&self.columns);
             self.rows = taps(source.height(), height, ONE_Y);
             self.lines = std::array::from_fn(|_| vec![0; width + SLACK]);
         }
-        let _ = simd;
         let mut held = [usize::MAX; 2];
         for y in 0..height {
             let tap = self.rows[y];
@@ -56,12 +67,11 @@ impl Resizer {
             }
             for i in 0..2 {
                 if held[i] != wanted[i] {
-                    resize_row(source.row(wanted[i]), &self.columns, &mut self.lines[i]);
+                    resize_row(simd, source.row(wanted[i]), &self.columns, &self.blocks, &mut self.lines[i]);
                     held[i] = wanted[i];
                 }
             }
-            let row = &mut target.row_mut(y)[..width];
-            blend_rows(&self.lines[0], &self.lines[1], tap.weight, row);
+            blend_rows(simd, &self.lines, tap.weight, width, target.row_mut(y));
         }
     }
 }
@@ -79,8 +89,37 @@ fn taps(from: usize, to: usize, one: f64) -> Vec<Tap> {
     (0..to).map(tap).collect()
 }
 
+/// Sixteen-pixel steps of [`taps`] for the vector form; empty when eight pixels of the result need more than 16 of the source.
+fn blocks(columns: &[Tap]) -> Vec<Block> {
+    let mut blocks = Vec::with_capacity(columns.len().div_ceil(16) * 2);
+    for eight in columns.chunks(8) {
+        let base = eight[0].first;
+        let mut block = Block { base, shuffle: [0; 16], weights: [0; 16] };
+        for (i, tap) in eight.iter().enumerate() {
+            let place = (tap.first - base) as usize;
+            if place > 14 {
+                return Vec::new();
+            }
+            block.shuffle[2 * i] = place as u8;
+            block.shuffle[2 * i + 1] = place as u8 + 1;
+            block.weights[2 * i] = ONE_X as i16 - tap.weight;
+            block.weights[2 * i + 1] = tap.weight;
+        }
+        blocks.push(block);
+    }
+    if blocks.len() % 2 == 1 {
+        blocks.push(Block { base: 0, shuffle: [0; 16], weights: [0; 16] });
+    }
+    blocks
+}
+
 /// One source row at the columns of the result, in units of 1/128.
-fn resize_row(source: &[u8], columns: &[Tap], line: &mut [i16]) {
+fn resize_row(simd: Simd, source: &[u8], columns: &[Tap], blocks: &[Block], line: &mut [i16]) {
+    #[cfg(target_arch = "x86_64")]
+    if let (Some(token), false) = (simd.avx2(), blocks.is_empty()) {
+        return avx2::resize::resize_row(token, source, blocks, line);
+    }
+    let _ = (simd, blocks);
     for (value, tap) in line.iter_mut().zip(columns) {
         let [a, b] = [0, 1].map(|i| i32::from(source[tap.first as usize + i]));
         let weight = i32::from(tap.weight);
@@ -89,8 +128,13 @@ fn resize_row(source: &[u8], columns: &[Tap], line: &mut [i16]) {
 }
 
 /// The weighted mean of two lines as bytes.
-fn blend_rows(first: &[i16], second: &[i16], weight: i16, row: &mut [u8]) {
-    for (pixel, (a, b)) in row.iter_mut().zip(first.iter().zip(second)) {
+fn blend_rows(simd: Simd, lines: &[Vec<i16>; 2], weight: i16, width: usize, row: &mut [u8]) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(token) = simd.avx2() {
+        return avx2::resize::blend_rows(token, lines, weight, width, row);
+    }
+    let _ = simd;
+    for (pixel, (a, b)) in row[..width].iter_mut().zip(lines[0].iter().zip(&lines[1])) {
         let difference = i32::from(*b) - i32::from(*a);
         let value = i32::from(*a) + ((difference * i32::from(weight) + (1 << 14)) >> 15);
         *pixel = ((value + 64) >> 7) as u8;
