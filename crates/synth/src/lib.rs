@@ -1,1 +1,39 @@
-//! Rendered street worlds with exact ground truth.
+//! Rendered street worlds with exact ground truth: a stereo camera drives a course between textured houses, trees, parked and moving
+//! cars.
+//!
+//! Start reading at [`World`] (any frame of a drive) and [`write_kitti`] (a whole drive as files). Inside: `course` and `drive` (where
+//! the camera is), `town` (what stands where), `traffic` (what moves), `camera` and `raster` (how it is drawn).
+//!
+//! World and camera axes: x right, y down, z forward; metres. Everything follows from preset, seed and number of rounds; frames do not
+//! depend on each other nor on the number of threads.
+
+mod camera;
+mod canvas;
+mod course;
+mod drive;
+mod facade;
+mod furniture;
+mod houses;
+mod layout;
+mod library;
+mod materials;
+mod mesh;
+mod noise;
+mod preset;
+mod raster;
+mod render;
+mod sensor;
+mod sky;
+mod street;
+mod texture;
+mod town;
+mod traffic;
+mod vehicle;
+mod vehicle_paint;
+mod world;
+mod write;
+
+pub use preset::Preset;
+pub use town::{LABEL_MOVING, LABEL_PARKED, LABEL_SKY, LABEL_STATIC};
+pub use world::{FRAME_RATE_HZ, StereoFrame, StereoImages, World};
+pub use write::{Continue, DEPTH_UNITS_PER_METRE, Progress, WriteError, WriteOptions, write_kitti};

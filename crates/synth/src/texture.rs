@@ -1,0 +1,166 @@
+//! Mip-mapped grey textures that repeat in both directions, with bilinear look-up in fixed point.
+
+/// Index of a texture in the [`Library`](crate::library::Library).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TextureId(pub(crate) u32);
+
+/// One resolution of a texture; width and height are powers of two.
+#[derive(Clone, Debug)]
+pub(crate) struct Level {
+    shift: u32,
+    width_mask: i32,
+    height_mask: i32,
+    width_log2: u32,
+    gray: Vec<u8>,
+    /// Opacity per texel; empty when the texture is opaque.
+    alpha: Vec<u8>,
+}
+
+/// A pyramid of levels, the finest first.
+#[derive(Clone, Debug)]
+pub(crate) struct Texture {
+    pub(crate) levels: Vec<Level>,
+}
+
+impl Texture {
+    /// Bakes `gray(x, y)` (grey levels, clamped to 0..255) at texel indices; sizes must be powers of two.
+    pub(crate) fn opaque(width: usize, height: usize, gray: impl Fn(usize, usize) -> f32) -> Self {
+        let gray = (0..width * height).map(|i| gray(i % width, i / width)).collect();
+        Self::build(width, height, gray, Vec::new())
+    }
+
+    /// Bakes grey and opacity (0..255); coarser levels keep the share of texels that pass the test `alpha >= 128`.
+    pub(crate) fn cut_out(width: usize, height: usize, texel: impl Fn(usize, usize) -> [f32; 2]) -> Self {
+        let texels: Vec<[f32; 2]> = (0..width * height).map(|i| texel(i % width, i / width)).collect();
+        let gray = texels.iter().map(|t| t[0]).collect();
+        Self::build(width, height, gray, texels.iter().map(|t| t[1]).collect())
+    }
+
+    fn build(width: usize, height: usize, mut gray: Vec<f32>, mut alpha: Vec<f32>) -> Self {
+        assert!(width.is_power_of_two() && height.is_power_of_two(), "texture sides are powers of two");
+        let coverage = share_opaque(&alpha, 128.0);
+        let (mut w, mut h, mut shift) = (width, height, 0);
+        let mut levels = Vec::new();
+        loop {
+            levels.push(Level::new(w, h, shift, &gray, &keep_coverage(&alpha, coverage)));
+            if w == 1 && h == 1 {
+                return Self { levels };
+            }
+            (gray, alpha, w, h) = halve(&gray, &alpha, w, h);
+            shift += 1;
+        }
+    }
+}
+
+impl Level {
+    fn new(width: usize, height: usize, shift: u32, gray: &[f32], alpha: &[f32]) -> Self {
+        let quantise = |values: &[f32]| values.iter().map(|v| v.round().clamp(0.0, 255.0) as u8).collect();
+        Self {
+            shift,
+            width_mask: width as i32 - 1,
+            height_mask: height as i32 - 1,
+            width_log2: width.trailing_zeros(),
+            gray: quantise(gray),
+            alpha: quantise(alpha),
+        }
+    }
+
+    /// Bilinear grey value times 256 at (`u`, `v`) in 16.16 fixed-point texels of the finest level.
+    #[inline(always)]
+    pub(crate) fn gray(&self, u: i32, v: i32) -> i32 {
+        self.bilinear(&self.gray, u, v)
+    }
+
+    /// Bilinear opacity times 256; opaque textures have none and must not be asked.
+    #[inline(always)]
+    pub(crate) fn alpha(&self, u: i32, v: i32) -> i32 {
+        self.bilinear(&self.alpha, u, v)
+    }
+
+    #[inline(always)]
+    fn bilinear(&self, data: &[u8], u: i32, v: i32) -> i32 {
+        // Texel centres lie at half integers.
+        let (u, v) = ((u >> self.shift).wrapping_sub(0x8000), (v >> self.shift).wrapping_sub(0x8000));
+        let (fu, fv) = ((u >> 8) & 0xff, (v >> 8) & 0xff);
+        let (xa, xb) = ((u >> 16) & self.width_mask, ((u >> 16) + 1) & self.width_mask);
+        let (ya, yb) = ((v >> 16) & self.height_mask, ((v >> 16) + 1) & self.height_mask);
+        let (ra, rb) = (ya << self.width_log2, yb << self.width_log2);
+        let at = |i: i32| i32::from(data[i as usize]);
+        let top = at(ra | xa) * (256 - fu) + at(ra | xb) * fu;
+        let bottom = at(rb | xa) * (256 - fu) + at(rb | xb) * fu;
+        (top * (256 - fv) + bottom * fv) >> 8
+    }
+}
+
+/// Halves both sides (a side of one stays); grey is averaged by opacity so that hidden texels leave no fringe.
+fn halve(gray: &[f32], alpha: &[f32], w: usize, h: usize) -> (Vec<f32>, Vec<f32>, usize, usize) {
+    let (w2, h2) = ((w / 2).max(1), (h / 2).max(1));
+    let (mut gray2, mut alpha2) = (Vec::with_capacity(w2 * h2), Vec::new());
+    for y in 0..h2 {
+        for x in 0..w2 {
+            let (xs, ys) = ([(2 * x) % w, (2 * x + 1) % w], [(2 * y) % h, (2 * y + 1) % h]);
+            let (mut sum, mut weight, mut opacity) = (0.0, 0.0, 0.0);
+            for i in [ys[0] * w + xs[0], ys[0] * w + xs[1], ys[1] * w + xs[0], ys[1] * w + xs[1]] {
+                let a = alpha.get(i).map_or(255.0, |a| a.clamp(0.0, 255.0)) + 0.5;
+                sum += a * gray[i];
+                weight += a;
+                opacity += alpha.get(i).copied().unwrap_or(255.0) / 4.0;
+            }
+            gray2.push(sum / weight);
+            if !alpha.is_empty() {
+                alpha2.push(opacity);
+            }
+        }
+    }
+    (gray2, alpha2, w2, h2)
+}
+
+fn share_opaque(alpha: &[f32], threshold: f32) -> f32 {
+    alpha.iter().filter(|a| **a >= threshold).count() as f32 / alpha.len().max(1) as f32
+}
+
+/// Scales opacities so that the share that passes the test stays `coverage`: distant crowns do not thin out.
+fn keep_coverage(alpha: &[f32], coverage: f32) -> Vec<f32> {
+    if alpha.is_empty() {
+        return Vec::new();
+    }
+    let mut sorted = alpha.to_vec();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let rank = ((coverage * sorted.len() as f32).round() as usize).min(sorted.len() - 1);
+    let threshold = sorted[rank].clamp(8.0, 250.0);
+    alpha.iter().map(|a| a * 128.0 / threshold).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bilinear_reproduces_texels_and_midpoints() {
+        let t = Texture::opaque(4, 2, |x, y| (40 * x + 10 * y) as f32);
+        let centre = |i: i32| (i << 16) + 0x8000;
+        assert_eq!(t.levels[0].gray(centre(2), centre(1)), 90 * 256);
+        assert_eq!(t.levels[0].gray(centre(2) + 0x8000, centre(1)), 110 * 256);
+        assert_eq!(t.levels[0].gray(centre(2 + 4), centre(1 - 2)), 90 * 256);
+    }
+
+    #[test]
+    fn levels_keep_the_mean_and_end_at_one_texel() {
+        let t = Texture::opaque(64, 16, |x, y| ((x * 37 + y * 91) % 200) as f32);
+        let mean = |l: &Level| l.gray.iter().map(|g| f64::from(*g)).sum::<f64>() / l.gray.len() as f64;
+        assert_eq!(t.levels.len(), 7);
+        assert_eq!(t.levels[6].gray.len(), 1);
+        assert!((mean(&t.levels[0]) - mean(&t.levels[6])).abs() < 2.0);
+    }
+
+    #[test]
+    fn coarse_levels_stay_as_opaque_as_the_finest() {
+        let t = Texture::cut_out(64, 64, |x, y| {
+            [100.0, if crate::noise::unit(x as i32, y as i32, 1) < 0.3 { 255.0 } else { 0.0 }]
+        });
+        for level in &t.levels[..4] {
+            let share = level.alpha.iter().filter(|a| **a >= 128).count() as f64 / level.alpha.len() as f64;
+            assert!((share - 0.3).abs() < 0.12, "{share}");
+        }
+    }
+}

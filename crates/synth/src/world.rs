@@ -1,0 +1,260 @@
+//! A world with its drive: any frame, in any order, always the same bytes.
+
+use crate::camera::{HEIGHT, View, WIDTH};
+use crate::course::Course;
+use crate::drive::{Drive, Stop};
+use crate::layout::SideStreet;
+use crate::library::{Common, Library};
+use crate::mesh::{Instance, Mesh, V3};
+use crate::preset::{Preset, Settings};
+use crate::render;
+use crate::sensor::{Eye, Sensor};
+use crate::town::{self, Scene};
+use crate::traffic::{Halt, Traffic, TrafficPlan};
+use geometry::{GrayImage, Pinhole, Raster, SE3, StereoRig};
+
+/// Frames per second.
+pub const FRAME_RATE_HZ: f64 = 10.0;
+/// Length of the open street per round, metres.
+const STREET_M: f64 = 900.0;
+/// Where we halt before a crossing's middle, metres, and for how long, seconds.
+const HALT_BEFORE_M: f64 = 10.0;
+const HALT_S: f64 = 6.5;
+/// Halts per round.
+const HALTS_PER_ROUND: usize = 4;
+
+/// The two images of a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StereoImages {
+    /// Seconds since the first frame.
+    pub timestamp_s: f64,
+    /// Left camera.
+    pub left: GrayImage,
+    /// Right camera.
+    pub right: GrayImage,
+}
+
+/// Images and ground truth of a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StereoFrame {
+    /// Seconds since the first frame.
+    pub timestamp_s: f64,
+    /// Left camera.
+    pub left: GrayImage,
+    /// Right camera.
+    pub right: GrayImage,
+    /// Depth along the left camera's optical axis in metres; 0 in the sky.
+    pub depth_m: Raster<f32>,
+    /// What the left camera sees: [`LABEL_STATIC`](crate::LABEL_STATIC), [`LABEL_MOVING`](crate::LABEL_MOVING),
+    /// [`LABEL_PARKED`](crate::LABEL_PARKED) or [`LABEL_SKY`](crate::LABEL_SKY).
+    pub labels: Raster<u8>,
+    /// Pose of the left camera in the frame of the first left camera.
+    pub world_from_cam: SE3,
+}
+
+/// A street world and a drive through it.
+#[derive(Debug)]
+pub struct World {
+    preset: Preset,
+    seed: u64,
+    rounds: u32,
+    course: Course,
+    drive: Drive,
+    meshes: Vec<Mesh>,
+    still: Vec<Instance>,
+    library: Library,
+    traffic: Traffic,
+    sensor: Sensor,
+    first_from_world: SE3,
+    n_frames: usize,
+}
+
+impl World {
+    /// Lays out the world of a seed and bakes its textures (about a second). `rounds` (at least 1) is how often the closed course is
+    /// driven; [`Preset::Facades`] has an open street, which `rounds` makes longer.
+    #[must_use]
+    pub fn new(preset: Preset, seed: u64, rounds: u32) -> Self {
+        let rounds = rounds.max(1);
+        let settings = preset.settings();
+        let street_m = STREET_M * f64::from(rounds);
+        let course = if settings.regular { Course::street(seed, street_m) } else { Course::town(seed) };
+        let length = if course.closed { course.length * f64::from(rounds) } else { street_m };
+        let side_streets = town::side_streets(&course, &settings, seed);
+        let (drive, halts) = plan_drive(&course, &side_streets, &settings, length, seed);
+        let mut scene = Scene::default();
+        let common = Common::new(&mut scene.recipes, seed as u32);
+        town::build(&course, &side_streets, &settings, &common, &mut scene, seed);
+        let plan = TrafficPlan {
+            course: &course,
+            drive: &drive,
+            side_streets: &side_streets,
+            settings: &settings,
+            halts: &halts,
+        };
+        let traffic = Traffic::new(&plan, &mut scene, &common, seed);
+        let library = Library::bake(&scene.recipes.list);
+        let n_frames = (drive.duration() * FRAME_RATE_HZ).floor() as usize + 1;
+        let first_from_world = drive.pose(&course, 0.0).inverse();
+        Self {
+            preset,
+            seed,
+            rounds,
+            course,
+            drive,
+            meshes: scene.meshes,
+            still: scene.instances,
+            library,
+            traffic,
+            sensor: Sensor::new(seed),
+            first_from_world,
+            n_frames,
+        }
+    }
+
+    /// Kind of world.
+    #[must_use]
+    pub fn preset(&self) -> Preset {
+        self.preset
+    }
+
+    /// The seed that everything follows from.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// How often the course is driven.
+    #[must_use]
+    pub fn rounds(&self) -> u32 {
+        self.rounds
+    }
+
+    /// Number of frames of the whole drive, 10 per second.
+    #[must_use]
+    pub fn n_frames(&self) -> usize {
+        self.n_frames
+    }
+
+    /// Length of one round (of the whole street, if it is open), metres.
+    #[must_use]
+    pub fn course_length_m(&self) -> f64 {
+        self.course.length
+    }
+
+    /// Whether a round ends where it began.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.course.closed
+    }
+
+    /// The camera pair: KITTI's focal length and image size, 0.54 m apart, no distortion.
+    #[must_use]
+    pub fn rig(&self) -> StereoRig {
+        StereoRig { camera: Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 }, baseline_m: 0.54 }
+    }
+
+    /// Image width and height, pixels.
+    #[must_use]
+    pub fn image_size(&self) -> (usize, usize) {
+        (WIDTH, HEIGHT)
+    }
+
+    /// Time of frame `i`, seconds.
+    #[must_use]
+    pub fn timestamp_s(&self, i: usize) -> f64 {
+        i as f64 / FRAME_RATE_HZ
+    }
+
+    /// Pose of the left camera at frame `i` in the frame of the first left camera.
+    #[must_use]
+    pub fn world_from_cam(&self, i: usize) -> SE3 {
+        (self.first_from_world * self.drive.pose(&self.course, self.timestamp_s(i))).normalized()
+    }
+
+    /// Images, depth, labels and pose of frame `i`; beyond the drive's end the vehicle goes on at its last speed.
+    #[must_use]
+    pub fn frame(&self, i: usize) -> StereoFrame {
+        let moment = self.moment(i);
+        let (left, right) = rayon::join(
+            || {
+                let shot = self.sensor.shot(Eye::Left, i, moment.t);
+                render::picture_and_truth(&moment.views[0], &self.meshes, &moment.instances, &self.library, &shot)
+            },
+            || self.picture(&moment, Eye::Right, i),
+        );
+        StereoFrame {
+            timestamp_s: moment.t,
+            left: left.0,
+            right,
+            depth_m: left.1.depth_m,
+            labels: left.1.labels,
+            world_from_cam: self.world_from_cam(i),
+        }
+    }
+
+    /// The images of [`World::frame`] alone, which is a little faster.
+    #[must_use]
+    pub fn images(&self, i: usize) -> StereoImages {
+        let moment = self.moment(i);
+        let (left, right) =
+            rayon::join(|| self.picture(&moment, Eye::Left, i), || self.picture(&moment, Eye::Right, i));
+        StereoImages { timestamp_s: moment.t, left, right }
+    }
+
+    fn picture(&self, moment: &Moment, eye: Eye, i: usize) -> GrayImage {
+        let shot = self.sensor.shot(eye, i, moment.t);
+        let view = &moment.views[usize::from(eye == Eye::Right)];
+        render::picture(view, &self.meshes, &moment.instances, &self.library, &shot)
+    }
+
+    fn moment(&self, i: usize) -> Moment {
+        let t = self.timestamp_s(i);
+        let world_from_cam = self.drive.pose(&self.course, t);
+        let rig = self.rig();
+        let view = |offset: f64| View {
+            rotation: world_from_cam.rotation.matrix().transpose(),
+            center: world_from_cam * V3::new(offset, 0.0, 0.0),
+            camera: rig.camera,
+        };
+        let mut instances = self.still.clone();
+        instances.extend(self.traffic.instances(&self.course, &self.drive, t));
+        Moment { t, views: [view(0.0), view(rig.baseline_m)], instances }
+    }
+}
+
+/// The world at the time of a frame.
+struct Moment {
+    t: f64,
+    /// Left and right camera.
+    views: [View; 2],
+    instances: Vec<Instance>,
+}
+
+/// The drive, with halts before crossings where the preset wants them.
+fn plan_drive(
+    course: &Course,
+    side_streets: &[SideStreet],
+    settings: &Settings,
+    length: f64,
+    seed: u64,
+) -> (Drive, Vec<Halt>) {
+    let crossings: Vec<usize> = (0..side_streets.len()).filter(|i| side_streets[*i].is_crossing()).collect();
+    let spacing = crossings.len().div_ceil(HALTS_PER_ROUND).max(1);
+    let mut stops: Vec<(usize, Stop)> = Vec::new();
+    let mut start = 0.0;
+    while settings.truck_halts && start < length {
+        for street in crossings.iter().step_by(spacing) {
+            let s = start + side_streets[*street].s - HALT_BEFORE_M;
+            if s < length - 30.0 {
+                stops.push((*street, Stop { s, seconds: HALT_S }));
+            }
+        }
+        start += course.length;
+    }
+    let drive = Drive::new(course, length, &stops.iter().map(|(_, stop)| *stop).collect::<Vec<_>>(), seed);
+    let halts = stops
+        .iter()
+        .map(|(street, stop)| Halt { street: *street, time: drive.time_at(stop.s), seconds: stop.seconds })
+        .collect();
+    (drive, halts)
+}
