@@ -4,6 +4,7 @@ use crate::aliases::{Mat3, Vec2, Vec3};
 use crate::pinhole::Pinhole;
 use crate::se3::SE3;
 use crate::so3::SO3;
+use crate::svd::RotationSvd;
 use crate::triangulate::triangulate;
 
 /// The essential matrix of a fundamental matrix: `K_b^T F K_a`.
@@ -17,20 +18,13 @@ pub fn essential_from_fundamental(fundamental: &Mat3, camera_a: &Pinhole, camera
 /// `None` for a matrix that is zero or not finite.
 #[must_use]
 pub fn decompose_essential(essential: &Mat3) -> Option<[SE3; 4]> {
-    if !essential.iter().all(|v| v.is_finite()) {
+    let RotationSvd { u, values, v } = RotationSvd::new(essential)?;
+    if values[1] <= 0.0 {
         return None;
     }
-    let svd = essential.try_svd(true, true, f64::EPSILON, 0)?;
-    let (u, v_t) = (svd.u?, svd.v_t?);
-    if svd.singular_values[1] <= 0.0 {
-        return None;
-    }
-    let w = Mat3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
-    let rotation = |turn: Mat3| {
-        let r = u * turn * v_t;
-        SO3::from_matrix_unchecked(r * r.determinant().signum())
-    };
-    let (first, second) = (rotation(w), rotation(w.transpose()));
+    let quarter_turn = Mat3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    let rotation = |turn: Mat3| SO3::from_matrix_unchecked(u * turn * v.transpose());
+    let (first, second) = (rotation(quarter_turn), rotation(quarter_turn.transpose()));
     let t: Vec3 = u.column(2).into_owned();
     Some([SE3::new(first, t), SE3::new(first, -t), SE3::new(second, t), SE3::new(second, -t)])
 }

@@ -2,10 +2,11 @@
 //!
 //! `F` maps a pixel of view `a` to its epipolar line in view `b`: `[pixel_b; 1]^T F [pixel_a; 1] = 0`.
 
-use crate::aliases::{Mat3, Vec2, Vec3};
+use crate::aliases::{Mat3, Vec2};
 use crate::pinhole::Pinhole;
 use crate::se3::SE3;
 use crate::so3::SO3;
+use crate::svd::{RightSvd, triangular_factor};
 use nalgebra::{OMatrix, RowSVector, U9};
 
 /// Second smallest singular value over the largest below which the points do not determine the matrix.
@@ -21,7 +22,7 @@ pub fn estimate_fundamental(pixels_a: &[Vec2], pixels_b: &[Vec2], weights: Optio
         return None;
     }
     let (normalise_a, normalise_b) = (normalisation(pixels_a)?, normalisation(pixels_b)?);
-    // Nine rows at least, so that the decomposition has all nine right vectors.
+    // Nine rows at least, so that the triangular factor is square.
     let mut system = OMatrix::<f64, nalgebra::Dyn, U9>::zeros(n.max(9));
     for i in 0..n {
         let a = normalise_a * pixels_a[i].push(1.0);
@@ -30,12 +31,11 @@ pub fn estimate_fundamental(pixels_a: &[Vec2], pixels_b: &[Vec2], weights: Optio
         let row = [b.x * a.x, b.x * a.y, b.x, b.y * a.x, b.y * a.y, b.y, a.x, a.y, 1.0];
         system.set_row(i, &(RowSVector::<f64, 9>::from_row_slice(&row) * weight));
     }
-    let svd = system.try_svd(false, true, f64::EPSILON, 0)?;
-    if svd.singular_values[7] <= MIN_RANK_RATIO * svd.singular_values[0] {
+    let svd = RightSvd::new(&triangular_factor(system)?)?;
+    if svd.values[7] <= MIN_RANK_RATIO * svd.values[0] {
         return None;
     }
-    let v_t = svd.v_t?;
-    let full_rank = Mat3::from_row_iterator(v_t.row(8).iter().copied());
+    let full_rank = Mat3::from_row_slice(svd.null_vector().as_slice());
     let f = normalise_b.transpose() * with_rank_two(&full_rank)? * normalise_a;
     let norm = f.norm();
     (norm.is_finite() && norm > 0.0).then(|| f / norm)
@@ -74,11 +74,10 @@ fn normalisation(pixels: &[Vec2]) -> Option<Mat3> {
     Some(Mat3::new(s, 0.0, -s * centroid.x, 0.0, s, -s * centroid.y, 0.0, 0.0, 1.0))
 }
 
-/// The nearest matrix of rank two.
+/// The nearest matrix of rank two: without the part along the last right singular vector.
 fn with_rank_two(matrix: &Mat3) -> Option<Mat3> {
-    let svd = matrix.try_svd(true, true, f64::EPSILON, 0)?;
-    let d = svd.singular_values;
-    Some(svd.u? * Mat3::from_diagonal(&Vec3::new(d[0], d[1], 0.0)) * svd.v_t?)
+    let last = RightSvd::new(matrix)?.null_vector();
+    Some(matrix - (matrix * last) * last.transpose())
 }
 
 fn inverse_calibration(camera: &Pinhole) -> Mat3 {

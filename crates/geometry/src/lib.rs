@@ -21,6 +21,7 @@ mod series;
 mod sim3;
 mod so3;
 mod stereo;
+mod svd;
 mod triangulate;
 mod umeyama;
 

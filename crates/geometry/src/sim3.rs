@@ -3,7 +3,7 @@
 //! Tangent vectors are `[rho; phi; lambda]` with `lambda = ln(scale)`.
 //! Formulas: Strasdat, "Local Accuracy and Global Consistency for Efficient Visual SLAM" (2012), section 2.4.
 
-use crate::aliases::{Mat3, Mat7, Vec3, Vec7};
+use crate::aliases::{Mat3, Mat4, Mat7, Vec3, Vec7};
 use crate::product::impl_product;
 use crate::se3::SE3;
 use crate::so3::SO3;
@@ -50,10 +50,9 @@ impl Sim3 {
     /// The similarity of the tangent vector `[rho; phi; lambda]`.
     #[must_use]
     pub fn exp(tangent: &Vec7) -> Self {
-        let rho = tangent.fixed_rows::<3>(0).into_owned();
-        let phi = tangent.fixed_rows::<3>(3).into_owned();
-        let w = Coefficients::new(phi.norm(), tangent[6]).matrix(&phi);
-        Self::new(SO3::exp(&phi), w * rho, tangent[6].exp())
+        let (rho, phi, lambda) = split(tangent);
+        let w = Coefficients::new(phi.norm(), lambda).matrix(&phi);
+        Self::new(SO3::exp(&phi), w * rho, lambda.exp())
     }
 
     /// The tangent vector `[rho; phi; lambda]` with `|phi| <= pi`; the inverse of [`Sim3::exp`].
@@ -86,6 +85,42 @@ impl Sim3 {
         a
     }
 
+    /// `a` with `exp(v) g exp(-v) = g + a(v) g` to first order: the adjoint of the algebra, `adjoint(exp(v)) = e^(a(v))`.
+    #[must_use]
+    pub fn small_adjoint(tangent: &Vec7) -> Mat7 {
+        let (rho, phi, lambda) = split(tangent);
+        let hat = SO3::hat(&phi);
+        let mut a = Mat7::zeros();
+        a.fixed_view_mut::<3, 3>(0, 0).copy_from(&(hat + Mat3::from_diagonal_element(lambda)));
+        a.fixed_view_mut::<3, 3>(0, 3).copy_from(&SO3::hat(&rho));
+        a.fixed_view_mut::<3, 1>(0, 6).copy_from(&-rho);
+        a.fixed_view_mut::<3, 3>(3, 3).copy_from(&hat);
+        a
+    }
+
+    /// `J` with `exp(v + d) = exp(J d) exp(v)` to first order in `d`: the series `sum_k a^k / (k + 1)!` of the small adjoint.
+    #[must_use]
+    pub fn left_jacobian(tangent: &Vec7) -> Mat7 {
+        const TERMS: usize = 32;
+        let a = Self::small_adjoint(tangent);
+        // Horner's scheme from the last term on.
+        (2..TERMS).rev().fold(Mat7::identity(), |sum, k| Mat7::identity() + a * sum / k as f64)
+    }
+
+    /// The inverse of [`Sim3::left_jacobian`]; `None` where that is singular (angles of two pi).
+    #[must_use]
+    pub fn left_jacobian_inverse(tangent: &Vec7) -> Option<Mat7> {
+        Self::left_jacobian(tangent).try_inverse()
+    }
+
+    /// The homogeneous matrix `[sR t; 0 1]`.
+    #[must_use]
+    pub fn matrix(&self) -> Mat4 {
+        let mut m = SE3::new(self.rotation, self.translation).matrix();
+        m.fixed_view_mut::<3, 3>(0, 0).scale_mut(self.scale);
+        m
+    }
+
     /// The rigid motion that sees the same image: rotation and `t / s` of a camera-from-world similarity.
     ///
     /// Dividing camera coordinates by the scale does not move their projection.
@@ -107,6 +142,10 @@ impl_product!(Sim3, Sim3, Sim3, |a, b| Sim3::new(
     a.scale * b.scale
 ));
 impl_product!(Sim3, Vec3, Vec3, |a, p| a.scale * (a.rotation.matrix() * p) + a.translation);
+
+fn split(tangent: &Vec7) -> (Vec3, Vec3, f64) {
+    (tangent.fixed_rows::<3>(0).into_owned(), tangent.fixed_rows::<3>(3).into_owned(), tangent[6])
+}
 
 /// The matrix `a I + b hat(phi) + c hat(phi)^2`.
 struct Coefficients {

@@ -5,6 +5,7 @@
 use crate::aliases::{Mat3, Quaternion, Vec3};
 use crate::product::impl_product;
 use crate::series::{c1, c2, c3, half_cotangent};
+use crate::svd::RotationSvd;
 use std::ops::Mul;
 
 /// A rotation matrix; the private field keeps it orthonormal with determinant one.
@@ -73,16 +74,7 @@ impl SO3 {
     /// A matrix with numbers that are not finite gives the identity.
     #[must_use]
     pub fn from_matrix(matrix: &Mat3) -> Self {
-        if !matrix.iter().all(|v| v.is_finite()) {
-            return Self::identity();
-        }
-        let svd = matrix.svd(true, true);
-        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-            return Self::identity();
-        };
-        // nalgebra sorts singular values in descending order: the last axis is the cheapest to flip.
-        let sign = (u * v_t).determinant().signum();
-        Self(u * Mat3::from_diagonal(&Vec3::new(1.0, 1.0, sign)) * v_t)
+        RotationSvd::new(matrix).map_or_else(Self::identity, |svd| Self(svd.u * svd.v.transpose()))
     }
 
     /// The rotation of a unit quaternion.

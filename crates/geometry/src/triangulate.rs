@@ -1,7 +1,8 @@
 //! Points from two or more views of known poses, by the direct linear transform (Hartley and Zisserman, 12.2).
 
-use crate::aliases::{Mat4, Vec2, Vec3, Vec4};
+use crate::aliases::{Mat4, Vec2, Vec3};
 use crate::se3::SE3;
+use crate::svd::{RightSvd, triangular_factor};
 use nalgebra::{MatrixXx4, RowVector4};
 
 /// Below this weight, relative to the unit homogeneous vector in units of the baseline, a point counts as infinitely far.
@@ -23,15 +24,15 @@ pub fn triangulate_dlt(cams_from_world: &[SE3], normalised: &[Vec2]) -> Option<V
         return None;
     }
     let rows = |i: usize| equations(&cams_from_world[i], &normalised[i], &origin, unit);
-    let solution = if cams_from_world.len() == 2 {
+    let system = if cams_from_world.len() == 2 {
         let ([a, b], [c, d]) = (rows(0), rows(1));
-        null_vector_4(&Mat4::from_rows(&[a, b, c, d]))?
+        Mat4::from_rows(&[a, b, c, d])
     } else {
         let all: Vec<_> = (0..cams_from_world.len()).flat_map(rows).collect();
-        let v_t = MatrixXx4::from_rows(&all).try_svd(false, true, f64::EPSILON, 0)?.v_t?;
-        v_t.row(3).transpose().into_owned()
+        triangular_factor(MatrixXx4::from_rows(&all))?
     };
-    if solution.w.abs() < MIN_HOMOGENEOUS_WEIGHT * solution.norm() {
+    let solution = RightSvd::new(&system)?.null_vector();
+    if solution.w.abs() < MIN_HOMOGENEOUS_WEIGHT {
         return None;
     }
     let point = origin + solution.xyz() * (unit / solution.w);
@@ -64,9 +65,4 @@ fn equations(cam_from_world: &SE3, normalised: &Vec2, origin: &Vec3, unit: f64) 
     let row = |i: usize| RowVector4::new(r[(i, 0)], r[(i, 1)], r[(i, 2)], t[i]);
     let depth = row(2);
     [depth * normalised.x - row(0), depth * normalised.y - row(1)]
-}
-
-fn null_vector_4(system: &Mat4) -> Option<Vec4> {
-    let v_t = system.try_svd(false, true, f64::EPSILON, 0)?.v_t?;
-    Some(v_t.row(3).transpose())
 }

@@ -3,6 +3,7 @@
 use crate::aliases::{Mat3, Vec3};
 use crate::sim3::Sim3;
 use crate::so3::SO3;
+use crate::svd::RotationSvd;
 
 /// Second singular value over the first below which the points count as lying on one line.
 const MIN_SPREAD_RATIO: f64 = 1e-9;
@@ -31,18 +32,13 @@ pub fn align_umeyama(src: &[Vec3], dst: &[Vec3], weights: Option<&[f64]>, with_s
         covariance += (d * s.transpose()) * (weight(i) / total);
         variance_src += s.norm_squared() * (weight(i) / total);
     }
-    if !covariance.iter().all(|v| v.is_finite()) {
+    let RotationSvd { u, values, v } = RotationSvd::new(&covariance)?;
+    if values[1] <= MIN_SPREAD_RATIO * values[0] {
         return None;
     }
-    let svd = covariance.try_svd(true, true, f64::EPSILON, 0)?;
-    let (u, v_t, d) = (svd.u?, svd.v_t?, svd.singular_values);
-    if d[1] <= MIN_SPREAD_RATIO * d[0] {
-        return None;
-    }
-    // Umeyama's S: never a reflection.
-    let signs = Vec3::new(1.0, 1.0, (u * v_t).determinant().signum());
-    let rotation = SO3::from_matrix_unchecked(u * Mat3::from_diagonal(&signs) * v_t);
-    let scale = if with_scale { d.dot(&signs) / variance_src } else { 1.0 };
+    // Umeyama's S is the sign inside the third singular value: the answer is never a reflection.
+    let rotation = SO3::from_matrix_unchecked(u * v.transpose());
+    let scale = if with_scale { values.sum() / variance_src } else { 1.0 };
     let similarity = Sim3::new(rotation, mean_dst - scale * (rotation * mean_src), scale);
     similarity.is_valid().then_some(similarity)
 }

@@ -1,0 +1,11 @@
+//! Laws, known answers and metamorphic tests of the whole crate, through its public interface.
+
+mod cameras;
+mod epipolar;
+mod groups;
+mod p3p;
+mod point_sets;
+mod ransac;
+mod rasters;
+mod support;
+mod triangulation;
