@@ -152,9 +152,9 @@ pub fn kitti_drift_sparse(est: &[Option<SE3>], gt: &[SE3], lengths_m: &[f64]) ->
     }
     // Plain 4x4 matrices and their general inverse: files carry 7 digits, so their rotations are not exactly
     // orthonormal, and the devkit takes them as they are.
+    let travelled = path_lengths(gt);
     let gt: Vec<Matrix4<f64>> = gt.iter().map(SE3::matrix).collect();
     let est: Vec<Option<Matrix4<f64>>> = est.iter().map(|p| p.as_ref().map(SE3::matrix)).collect();
-    let travelled = path_lengths(&gt);
     let mut segments = Vec::new();
     let mut n_without_estimate = 0;
     for first in (0..gt.len()).step_by(START_STEP) {
@@ -178,13 +178,12 @@ pub fn kitti_drift_sparse(est: &[Option<SE3>], gt: &[SE3], lengths_m: &[f64]) ->
 }
 
 /// Path length from the first position to each position, metres.
-pub(crate) fn path_lengths(poses: &[Matrix4<f64>]) -> Vec<f64> {
+pub(crate) fn path_lengths(poses: &[SE3]) -> Vec<f64> {
     let mut total = 0.0;
     let mut lengths = Vec::with_capacity(poses.len());
     for (i, pose) in poses.iter().enumerate() {
         if i > 0 {
-            let step = pose.fixed_view::<3, 1>(0, 3) - poses[i - 1].fixed_view::<3, 1>(0, 3);
-            total += step.norm();
+            total += (pose.translation - poses[i - 1].translation).norm();
         }
         lengths.push(total);
     }
@@ -199,7 +198,7 @@ fn segment_end(travelled: &[f64], first: usize, length_m: f64) -> Option<usize> 
 }
 
 /// `a^-1 b` with the general inverse of `a`.
-pub(crate) fn relative(a: &Matrix4<f64>, b: &Matrix4<f64>) -> Result<Matrix4<f64>> {
+fn relative(a: &Matrix4<f64>, b: &Matrix4<f64>) -> Result<Matrix4<f64>> {
     match a.try_inverse() {
         Some(inverse) => Ok(inverse * b),
         None => anyhow::bail!("a pose is not a rigid motion: its matrix has no inverse"),

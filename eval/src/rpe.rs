@@ -1,11 +1,10 @@
 //! Relative pose error: how well the motion between two frames is known, a fixed delta apart (metrics.md, section 2).
 
 use anyhow::{Result, anyhow, ensure};
-use geometry::{Mat3, SE3, SO3};
-use nalgebra::Matrix4;
+use geometry::SE3;
 
 use crate::alignment::check_matched;
-use crate::drift::{path_lengths, relative};
+use crate::drift::path_lengths;
 use crate::statistics::Statistics;
 
 /// Unit of the distance between the two frames of a pair.
@@ -75,16 +74,16 @@ pub struct RpeReport {
 /// Different lengths, a delta that is not positive (or no whole number of frames), or no pair that far apart.
 pub fn rpe(est: &[SE3], gt: &[SE3], options: &RpeOptions) -> Result<RpeReport> {
     check_matched(est, gt)?;
-    let est: Vec<Matrix4<f64>> = est.iter().map(SE3::matrix).collect();
-    let gt: Vec<Matrix4<f64>> = gt.iter().map(SE3::matrix).collect();
-    let travelled = path_lengths(if options.pairs_from_ground_truth { &gt } else { &est });
+    let travelled = path_lengths(if options.pairs_from_ground_truth { gt } else { est });
     let pairs = select_pairs(&travelled, options)?;
     let mut translation_errors = Vec::with_capacity(pairs.len());
     let mut rotation_errors = Vec::with_capacity(pairs.len());
     for &(i, j) in &pairs {
-        let error = relative(&relative(&gt[i], &gt[j])?, &relative(&est[i], &est[j])?)?;
-        translation_errors.push(error.fixed_view::<3, 1>(0, 3).norm());
-        rotation_errors.push(rotation_angle_deg(&error.fixed_view::<3, 3>(0, 0).into_owned()));
+        let gt_i_from_j = gt[i].inverse() * gt[j];
+        let est_i_from_j = est[i].inverse() * est[j];
+        let error = gt_i_from_j.inverse() * est_i_from_j;
+        translation_errors.push(error.translation.norm());
+        rotation_errors.push(error.rotation.orthonormalized().angle().to_degrees());
     }
     let too_short = || {
         let unit = if options.unit == DeltaUnit::Frames { "frames" } else { "m" };
@@ -131,31 +130,28 @@ fn consecutive_by_path(travelled: &[f64], delta: f64) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// From each frame to the one whose distance is nearest to `delta`, if within the tolerance.
+/// From each frame to the one whose distance is nearest to `delta`, if within the tolerance; the first of equally near ones
+/// (a camera that stands still).
 fn all_by_path(travelled: &[f64], delta: f64, tolerance: f64) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for i in 0..travelled.len().saturating_sub(1) {
-        let gap = |j: usize| (travelled[j] - travelled[i] - delta).abs();
-        let after = i + 1 + travelled[i + 1..].partition_point(|&d| d - travelled[i] < delta);
-        let candidates = [after.saturating_sub(1), after];
-        let nearest =
-            candidates.into_iter().filter(|&j| j > i && j < travelled.len()).min_by(|&a, &b| gap(a).total_cmp(&gap(b)));
-        if let Some(j) = nearest.filter(|&j| gap(j) <= tolerance) {
-            pairs.push((i, j));
+        let later = &travelled[i + 1..];
+        let gap = |k: usize| (later[k] - travelled[i] - delta).abs();
+        let above = later.partition_point(|&d| d - travelled[i] < delta);
+        let below = above.checked_sub(1).map(|k| later.partition_point(|&d| d < later[k]));
+        let above = Some(above).filter(|&k| k < later.len());
+        let nearest = below.into_iter().chain(above).min_by(|&a, &b| gap(a).total_cmp(&gap(b)));
+        if let Some(k) = nearest.filter(|&k| gap(k) <= tolerance) {
+            pairs.push((i, i + 1 + k));
         }
     }
     pairs
 }
 
-/// Angle of the nearest rotation, degrees; precise at small angles, where the arc cosine is not.
-fn rotation_angle_deg(matrix: &Mat3) -> f64 {
-    SO3::from_matrix(matrix).angle().to_degrees()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::Vec3;
+    use geometry::{SO3, Vec3};
 
     /// 0, 1, 3, 6, 10, ... metres along x.
     fn accelerating(n: usize) -> Vec<SE3> {
@@ -182,6 +178,11 @@ mod tests {
         assert_eq!(pairs(RpeOptions { pairs: PairMode::All, ..five }), [(1, 3), (4, 5)]);
         let loose = RpeOptions { pairs: PairMode::All, relative_tolerance: 0.2, ..five };
         assert_eq!(pairs(loose), [(0, 3), (1, 3), (3, 4), (4, 5)]);
+    }
+
+    #[test]
+    fn standing_still_takes_the_first_of_equal_distances() {
+        assert_eq!(all_by_path(&[0.0, 1.0, 1.0, 1.0, 3.0], 1.2, 0.3), [(0, 1)]);
     }
 
     #[test]

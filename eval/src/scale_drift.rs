@@ -36,7 +36,7 @@ pub struct ScaleDrift {
 pub fn scale_drift(est: &[SE3], gt: &[SE3], window_m: f64) -> Result<ScaleDrift> {
     check_matched(est, gt)?;
     ensure!(window_m.is_finite() && window_m > 0.0, "the window must be positive, found {window_m} m");
-    let travelled = path_lengths(&gt.iter().map(SE3::matrix).collect::<Vec<_>>());
+    let travelled = path_lengths(gt);
     let (est, gt) = (positions(est), positions(gt));
     let mut windows = Vec::new();
     let mut start = 0;

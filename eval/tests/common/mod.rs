@@ -1,0 +1,37 @@
+//! Files of the tests: the small fixtures beside them, and published trajectories where they are present.
+#![allow(dead_code, reason = "each test program uses a part")]
+
+use std::path::{Path, PathBuf};
+
+use eval::{Association, Pairs, associate, read_trajectory_file};
+
+/// A file of `tests/fixtures`.
+pub(crate) fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name)
+}
+
+/// A published trajectory: `DSSLAM_TRAJECTORIES`, or `shared/reference/trajectories` beside the repository.
+pub(crate) fn published(name: &str) -> Option<PathBuf> {
+    let folder = match std::env::var_os("DSSLAM_TRAJECTORIES") {
+        Some(folder) => PathBuf::from(folder),
+        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference/trajectories"),
+    };
+    let path = folder.join(name);
+    if path.is_file() {
+        return Some(path);
+    }
+    eprintln!("SKIPPED: {} is absent (set DSSLAM_TRAJECTORIES)", path.display());
+    None
+}
+
+/// Ground truth and estimate, matched by index (KITTI) or within 10 ms.
+pub(crate) fn pairs(gt: &Path, est: &Path) -> Pairs {
+    let truth = read_trajectory_file(gt, None).unwrap();
+    let estimate = read_trajectory_file(est, None).unwrap();
+    let association = match truth.format {
+        eval::Format::Kitti if !estimate.has_frame_numbers => Association::Index,
+        eval::Format::Kitti => Association::Timestamp { tolerance_s: 0.0 },
+        _ => Association::Timestamp { tolerance_s: eval::TIMESTAMP_TOLERANCE_S },
+    };
+    associate(&estimate.trajectory, &truth.trajectory, association).unwrap()
+}
