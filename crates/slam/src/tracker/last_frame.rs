@@ -37,9 +37,9 @@ impl LastFrame {
         }
     }
 
-    /// Frame intervals from this frame to `frame`: more than one after dropped or lost frames.
-    pub(crate) fn intervals_to(&self, frame: &Frame) -> u32 {
-        frame.index.saturating_sub(self.frame.index).max(1)
+    /// Time from this frame to `frame`, seconds.
+    pub(crate) fn seconds_to(&self, frame: &Frame) -> f64 {
+        frame.timestamp_s - self.frame.timestamp_s
     }
 
     /// Pose in the world of `map`.

@@ -6,6 +6,7 @@ mod local_map;
 mod pose;
 mod predict;
 mod recover;
+mod velocity;
 
 use std::sync::Arc;
 
@@ -21,6 +22,7 @@ pub(crate) use keyframe_policy::stereo_observations;
 use last_frame::LastFrame;
 use local_map::{LocalMap, LocallyTracked};
 use predict::{Attempt, Prediction};
+use velocity::Velocity;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,8 +91,8 @@ pub struct Tracked {
 pub struct Tracker {
     params: Params,
     last: Option<LastFrame>,
-    /// Motion per frame interval, `cam_now_from_cam_before`; `None` after a start or a loss.
-    velocity: Option<SE3>,
+    /// How the camera moved between the last two frames; `None` after a start or a loss.
+    velocity: Option<Velocity>,
     /// Index of the frame that last became a keyframe.
     last_keyframe_index: u32,
 }
@@ -118,8 +120,8 @@ impl Tracker {
             Ok(found) => found,
             Err(lost) => return self.lose(last, lost),
         };
-        let motion = (local.cam_from_world * last_cam_from_world.inverse()).normalized();
-        self.velocity = Some(predict::scaled(&motion, 1.0 / f64::from(last.intervals_to(frame))));
+        let seconds = last.seconds_to(frame);
+        self.velocity = Some(Velocity::between(&last_cam_from_world, &local.cam_from_world, seconds));
         let keyframe = staged(probe, Stage::Decide, || self.decide_keyframe(frame, map, &local, mapper_idle))
             .map(|reason| {
                 self.last_keyframe_index = frame.index;

@@ -1,11 +1,11 @@
 //! The first pose of a frame: by the motion model, else by the reference keyframe, else by recovery.
 
 use features::{Frame, ProjectionQuery, consistent_rotations, search_windows};
-use geometry::SE3;
+use geometry::{SE3, Vec3};
 use map::{Map, PointId};
 
 use super::last_frame::LastFrame;
-use super::pose::{RefinedPose, refine};
+use super::pose::{RefinedPose, refine_with_positions};
 use super::{Tracker, recover};
 use crate::assign::one_to_one;
 use crate::lost::Lost;
@@ -13,6 +13,11 @@ use crate::visibility::project_inside;
 
 /// Largest descriptor distance of a match by projection (of 256 bits).
 pub(crate) const MAX_DISTANCE_WIDE: u32 = 100;
+
+/// Windows tried in turn, in units of the usual radius.
+const WIDENINGS: [f32; 3] = [1.0, 2.0, 4.0];
+/// Points looked for at most; features with depth that are no map points fill up what map points leave.
+const MAX_SOURCES: usize = 600;
 
 /// A pose with the matches that it was found with.
 #[derive(Clone, Debug)]
@@ -43,66 +48,101 @@ impl Tracker {
     ) -> Result<Prediction, Lost> {
         match attempt {
             Attempt::Motion => self.predict_by_motion(frame, map, last),
-            Attempt::Recovery => {
-                recover::recover(frame, map, last, &self.params).map(|pose| Prediction::from_pose(pose, true))
-            }
+            Attempt::Recovery => recover::recover(frame, map, last, &self.params).map(Prediction::recovered),
         }
     }
 
-    /// Searches the last frame's points where the motion model puts them, in a window and then in twice the window.
+    /// Searches the last frame's points where the motion model puts them, in windows that grow until enough agree.
     fn predict_by_motion(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Result<Prediction, Lost> {
         let tracking = &self.params.tracking;
         let last_cam_from_world = last.cam_from_world(map);
-        let predicted = match self.velocity {
-            Some(velocity) => scaled(&velocity, f64::from(last.intervals_to(frame))) * last_cam_from_world,
+        let predicted = match &self.velocity {
+            Some(velocity) => velocity.motion_over(last.seconds_to(frame)) * last_cam_from_world,
             None => last_cam_from_world,
         };
-        let mut matches = search_last(frame, map, last, &predicted, tracking.motion_radius_px);
-        if matches.len() < tracking.min_motion_matches {
-            matches = search_last(frame, map, last, &predicted, 2.0 * tracking.motion_radius_px);
+        let sources = last_points(map, last, &last_cam_from_world);
+        let mut lost = Lost::TooFewMatches { found: 0, needed: tracking.min_motion_matches };
+        for widening in WIDENINGS {
+            let radius_px = widening * tracking.motion_radius_px;
+            let matches = search_last(frame, last, &last_cam_from_world, &predicted, &sources, radius_px);
+            let (found, needed) = (matches.len(), tracking.min_motion_matches);
+            if found < needed {
+                lost = lost.further(Lost::TooFewMatches { found, needed });
+                continue;
+            }
+            let positions: Vec<(u32, Vec3)> =
+                matches.iter().map(|&(f, source)| (f, sources[source].position)).collect();
+            let (cam_from_world, agrees) = refine_with_positions(frame, predicted, &positions);
+            let agreeing = matches.iter().zip(&agrees).filter(|(_, agrees)| **agrees);
+            let (found, needed) =
+                (agreeing.clone().count(), tracking.min_predicted_inliers.max(matches.len() / 3));
+            if found < needed {
+                lost = lost.further(Lost::TooFewPredictedInliers { found, needed });
+                continue;
+            }
+            let matches =
+                agreeing.filter_map(|(&(f, source), _)| sources[source].id.map(|id| (f, id))).collect();
+            return Ok(Prediction { cam_from_world, matches, without_motion_model: false });
         }
-        if matches.len() < tracking.min_motion_matches {
-            return Err(Lost::TooFewMatches { found: matches.len(), needed: tracking.min_motion_matches });
-        }
-        let pose = refine(frame, map, predicted, &matches);
-        let (found, needed) = (pose.inliers.len(), tracking.min_predicted_inliers);
-        if found < needed {
-            return Err(Lost::TooFewPredictedInliers { found, needed });
-        }
-        Ok(Prediction::from_pose(pose, false))
+        Err(lost)
     }
 }
 
 impl Prediction {
-    fn from_pose(pose: RefinedPose, without_motion_model: bool) -> Self {
-        Prediction { cam_from_world: pose.cam_from_world, matches: pose.inliers, without_motion_model }
+    fn recovered(pose: RefinedPose) -> Self {
+        Prediction { cam_from_world: pose.cam_from_world, matches: pose.inliers, without_motion_model: true }
     }
 }
 
-/// The motion of `intervals` frames at a constant velocity.
-pub(super) fn scaled(velocity: &SE3, intervals: f64) -> SE3 {
-    if intervals == 1.0 { *velocity } else { SE3::exp(&(velocity.log() * intervals)) }
+/// Something of the last frame to look for: a map point, or a feature's own depth.
+struct Source {
+    /// Feature of the last frame.
+    feature: u32,
+    position: Vec3,
+    /// `None` for a feature that has depth but is no map point.
+    id: Option<PointId>,
 }
 
-/// Matches of the last frame's points within `radius_px * scale` of their predicted positions. The octaves looked at
-/// depend on whether the camera moved forward, backward or neither by more than its baseline.
+/// The last frame's map points, and its nearest other features with depth until there are [`MAX_SOURCES`].
+fn last_points(map: &Map, last: &LastFrame, last_cam_from_world: &SE3) -> Vec<Source> {
+    let mut used = vec![false; last.frame.len()];
+    let mut sources = Vec::with_capacity(MAX_SOURCES.max(last.matches.len()));
+    for &(feature, id) in &last.matches {
+        used[feature as usize] = true;
+        if let Some(point) = map.point(id) {
+            sources.push(Source { feature, position: point.position, id: Some(id) });
+        }
+    }
+    let mut others: Vec<usize> =
+        (0..last.frame.len()).filter(|&i| !used[i] && last.frame.has_depth(i)).collect();
+    others.sort_by(|&a, &b| last.frame.depth[a].total_cmp(&last.frame.depth[b]).then(a.cmp(&b)));
+    others.truncate(MAX_SOURCES.saturating_sub(sources.len()));
+    let world_from_last = last_cam_from_world.inverse();
+    sources.extend(others.into_iter().filter_map(|i| {
+        let position = world_from_last * last.frame.unproject(i)?;
+        Some(Source { feature: i as u32, position, id: None })
+    }));
+    sources
+}
+
+/// Matches `(feature, source)` within `radius_px * scale` of the predicted positions. The octaves looked at depend on
+/// whether the camera moved forward, backward or neither by more than its baseline.
 fn search_last(
     frame: &Frame,
-    map: &Map,
     last: &LastFrame,
+    last_cam_from_world: &SE3,
     predicted: &SE3,
+    sources: &[Source],
     radius_px: f32,
-) -> Vec<(u32, PointId)> {
-    let last_from_predicted = last.cam_from_world(map) * predicted.inverse();
-    let forward_m = last_from_predicted.translation.z;
+) -> Vec<(u32, usize)> {
+    let forward_m = (*last_cam_from_world * predicted.inverse()).translation.z;
     let baseline_m = frame.rig.stereo.baseline_m;
     let top = (frame.scales.scales.len() - 1) as u8;
-    let mut queries = Vec::with_capacity(last.matches.len());
-    let mut sources = Vec::with_capacity(last.matches.len());
-    for &(feature, id) in &last.matches {
-        let Some(point) = map.point(id) else { continue };
-        let Some(uvr) = project_inside(frame, predicted, &point.position) else { continue };
-        let octave = last.frame.keypoints[feature as usize].octave;
+    let mut queries = Vec::with_capacity(sources.len());
+    let mut asked = Vec::with_capacity(sources.len());
+    for (i, source) in sources.iter().enumerate() {
+        let Some(uvr) = project_inside(frame, predicted, &source.position) else { continue };
+        let octave = last.frame.keypoints[source.feature as usize].octave;
         let (min_octave, max_octave) = if forward_m > baseline_m {
             (octave, top)
         } else if forward_m < -baseline_m {
@@ -110,32 +150,24 @@ fn search_last(
         } else {
             (octave.saturating_sub(1), (octave + 1).min(top))
         };
+        asked.push(i);
         queries.push(ProjectionQuery {
             x: uvr.x as f32,
             y: uvr.y as f32,
             right_u: uvr.z as f32,
-            radius_px: radius_px * frame.scales.scales[octave as usize],
+            radius_px: radius_px * frame.scales.scales[usize::from(octave)],
             min_octave,
             max_octave,
-            descriptor: last.frame.descriptors[feature as usize],
+            descriptor: last.frame.descriptors[source.feature as usize],
         });
-        sources.push((feature, id));
     }
-    let free = vec![true; frame.len()];
-    let finds = search_windows(frame, &queries, &free);
+    let finds = search_windows(frame, &queries, &vec![true; frame.len()]);
     let pairs = one_to_one(&finds, frame.len(), |_, find| find.best.distance <= MAX_DISTANCE_WIDE);
-    let turns: Vec<f32> = pairs
-        .iter()
-        .map(|&(feature, query)| {
-            last.frame.keypoints[sources[query].0 as usize].angle_deg
-                - frame.keypoints[feature as usize].angle_deg
-        })
-        .collect();
-    let consistent = consistent_rotations(&turns);
-    pairs
-        .iter()
-        .zip(consistent)
-        .filter(|(_, consistent)| *consistent)
-        .map(|(&(feature, query), _)| (feature, sources[query].1))
-        .collect()
+    let turn = |&(feature, query): &(u32, usize)| {
+        let before = sources[asked[query]].feature as usize;
+        last.frame.keypoints[before].angle_deg - frame.keypoints[feature as usize].angle_deg
+    };
+    let consistent = consistent_rotations(&pairs.iter().map(turn).collect::<Vec<f32>>());
+    let kept = pairs.iter().zip(consistent).filter(|(_, consistent)| *consistent);
+    kept.map(|(&(feature, query), _)| (feature, asked[query])).collect()
 }

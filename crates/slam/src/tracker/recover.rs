@@ -39,15 +39,14 @@ pub(super) fn recover(
         let seed = mix_seed(params.seed, u64::from(frame.index), SEED_PURPOSE + (u64::from(keyframe.0) << 8));
         let Some(initial) = pose_by_ransac(frame, map, &matches, seed) else { continue };
         let pose = refine(frame, map, initial, &matches);
-        if pose.inliers.len() >= tracking.min_reference_matches {
+        if pose.inliers.len() >= tracking.min_predicted_inliers {
             return Ok(pose);
         }
         most_inliers = most_inliers.max(Some(pose.inliers.len()));
     }
-    let needed = tracking.min_reference_matches;
     Err(match most_inliers {
-        Some(found) => Lost::TooFewPredictedInliers { found, needed },
-        None => Lost::TooFewMatches { found: most_matches, needed },
+        Some(found) => Lost::TooFewPredictedInliers { found, needed: tracking.min_predicted_inliers },
+        None => Lost::TooFewMatches { found: most_matches, needed: tracking.min_reference_matches },
     })
 }
 
