@@ -21,12 +21,15 @@ impl Map {
             }
             let order = |&(c, weight): &(KeyframeId, u32)| (std::cmp::Reverse(weight), c);
             for pair in k.covisible().windows(2).filter(|w| order(&w[0]) >= order(&w[1])) {
-                found.push(Violation::CovisibilityOrder { keyframe, other: pair[1].0 });
+                found.push(Violation::CovisibilityEntry { keyframe, other: pair[1].0 });
             }
             let mut stored = vec![0_u32; counts.len()];
-            for &(c, weight) in k.covisible() {
-                if let Some(s) = stored.get_mut(c.index()) {
-                    *s += weight;
+            for &(other, weight) in k.covisible() {
+                if let Some(s) = stored.get_mut(other.index()) {
+                    if weight == 0 || *s > 0 {
+                        found.push(Violation::CovisibilityEntry { keyframe, other });
+                    }
+                    *s = s.saturating_add(weight);
                 }
             }
             for i in (0..counts.len()).filter(|&i| stored[i] != counts[i]) {

@@ -139,12 +139,13 @@ pub enum Violation {
         /// The number of shared points.
         counted: u32,
     },
-    /// A covisibility list is not in strict order (weight descending, id ascending).
-    #[error("covisible keyframe {other} of {keyframe} is out of order")]
-    CovisibilityOrder {
+    /// A covisibility list is not in strict order (weight descending, id ascending), names a keyframe twice, or has a
+    /// weight of zero.
+    #[error("covisible keyframe {other} of {keyframe} is out of order, there twice or of weight zero")]
+    CovisibilityEntry {
         /// The keyframe.
         keyframe: KeyframeId,
-        /// The entry out of order.
+        /// The entry at fault.
         other: KeyframeId,
     },
     /// Not exactly one keyframe without a parent, or another than the root.

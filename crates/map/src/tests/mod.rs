@@ -1,1 +1,11 @@
-//! Tests of the whole map.
+//! Tests of the map as a whole.
+
+mod broken_maps;
+mod correction;
+mod estimates;
+mod insertion;
+mod observations;
+mod random_mutations;
+mod removal;
+mod snapshots;
+mod world;
