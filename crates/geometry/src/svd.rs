@@ -58,8 +58,8 @@ fn orthogonalised<const N: usize>(matrix: SMatrix<f64, N, N>) -> (SMatrix<f64, N
                     continue;
                 }
                 let zeta = (beta - alpha) / (2.0 * gamma);
-                let tangent = 1.0_f64.copysign(zeta) / (zeta.abs() + 1.0_f64.hypot(zeta));
-                let cosine = 1.0 / 1.0_f64.hypot(tangent);
+                let tangent = 1.0_f64.copysign(zeta) / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
+                let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
                 rotate_columns(&mut images, p, q, cosine, cosine * tangent);
                 rotate_columns(&mut right, p, q, cosine, cosine * tangent);
                 rotated = true;
