@@ -32,6 +32,12 @@ pub struct AteReport {
 }
 
 impl AteReport {
+    /// The summary numbers, metres.
+    pub fn statistics(&self) -> Statistics {
+        let &AteReport { rmse, mean, median, std, min, max, n, .. } = self;
+        Statistics { rmse, mean, median, std, min, max, n }
+    }
+
     /// The poses `est` in the ground truth's world frame.
     pub fn aligned(&self, est: &[SE3]) -> Vec<SE3> {
         apply_alignment(&self.gt_from_est, est)

@@ -3,6 +3,7 @@
 use anyhow::{Result, ensure};
 use geometry::SE3;
 use nalgebra::Matrix4;
+use serde::{Deserialize, Serialize};
 
 use crate::alignment::check_matched;
 use crate::statistics::Statistics;
@@ -28,7 +29,7 @@ pub struct Segment {
 }
 
 /// Mean drift of the segments of one length, or of one range of speeds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DriftBin {
     /// Segment length in metres, or speed in km/h (middle of the range).
     pub at: f64,

@@ -6,8 +6,10 @@
 pub mod alignment;
 pub mod association;
 pub mod ate;
+pub mod command;
 pub mod coverage;
 pub mod drift;
+pub mod evaluation;
 pub mod loops;
 pub mod plot;
 pub mod precision_recall;
@@ -23,6 +25,7 @@ pub use coverage::{Coverage, fill_lost};
 pub use drift::{
     Drift, DriftBin, DriftOfSequences, KITTI_LENGTHS_M, Segment, kitti_drift, kitti_drift_sparse, pool_drift,
 };
+pub use evaluation::{Evaluated, Evaluation, EvaluationOptions, LostFrames, Matched, evaluate};
 pub use loops::{LoopScore, LoopTruth, SamePlace, score_loops};
 pub use precision_recall::{Detection, PrecisionRecall, PrecisionRecallCurve, precision_recall};
 pub use read::{Format, TrajectoryFile, read_trajectory_file};

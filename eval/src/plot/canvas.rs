@@ -107,6 +107,15 @@ pub fn save_svg(path: &Path, figure: &impl Figure) -> Result<()> {
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
+/// Writes `figure` as `<folder>/<name>.png` and `<name>.svg`.
+///
+/// # Errors
+/// See [`Figure::draw`]; or a file cannot be written.
+pub fn save(folder: &Path, name: &str, figure: &impl Figure) -> Result<()> {
+    save_png(&folder.join(format!("{name}.png")), figure)?;
+    save_svg(&folder.join(format!("{name}.svg")), figure)
+}
+
 fn drawn_size(figure: &impl Figure) -> Result<(u32, u32)> {
     static REGISTERED: OnceLock<bool> = OnceLock::new();
     let registered =

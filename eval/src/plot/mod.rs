@@ -1,8 +1,16 @@
 //! Figures as PNG and SVG: every axis has its label and unit, colours are safe for colour-blind readers.
 
 mod axes;
+mod bars;
 mod canvas;
+mod drift;
+mod error;
+mod precision_recall;
 mod trajectory;
 
-pub use canvas::{Figure, render, save_png, save_svg, svg};
+pub use bars::BarFigure;
+pub use canvas::{Canvas, Figure, render, save, save_png, save_svg, svg};
+pub use drift::{DriftAxis, DriftFigure};
+pub use error::ErrorFigure;
+pub use precision_recall::PrecisionRecallFigure;
 pub use trajectory::{TrajectoryFigure, View, trajectory_png};

@@ -1,0 +1,217 @@
+//! `dsslam eval traj`: two files in, all figures out.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+
+use crate::evaluation::{Evaluated, EvaluationOptions, LostFrames, Matched, evaluate};
+use crate::plot::{self, DriftAxis, DriftFigure, ErrorFigure, TrajectoryFigure, View};
+use crate::{
+    Alignment, Association, DeltaUnit, Format, KITTI_LENGTHS_M, PairMode, RpeOptions, Statistics,
+    TIMESTAMP_TOLERANCE_S, TrajectoryFile, apply_alignment, read_trajectory_file,
+};
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  dsslam eval traj results/latest/trajectory.kitti.txt kitti/poses/06.txt
+  dsslam eval traj est.txt groundtruth.txt --align sim3 --plots out/
+  dsslam eval traj est.txt gt.csv --tolerance 0.02 --lengths 5,10,20";
+
+/// Arguments of `dsslam eval traj`.
+#[derive(Debug, Args)]
+pub(super) struct TrajArgs {
+    /// Estimated trajectory.
+    #[arg(value_name = "ESTIMATE")]
+    est: PathBuf,
+    /// Ground truth.
+    #[arg(value_name = "GROUND_TRUTH")]
+    gt: PathBuf,
+    /// Format of both files; by default their first line decides.
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+    /// Format of the ground truth where it differs.
+    #[arg(long, value_enum)]
+    gt_format: Option<Format>,
+    /// What is aligned before ATE; sim3 for monocular estimates.
+    #[arg(long, value_enum, default_value = "se3")]
+    align: Alignment,
+    /// How poses are matched; by default by frame for KITTI files, else by time.
+    #[arg(long, value_enum)]
+    associate: Option<AssociateArg>,
+    /// Largest difference of timestamps, seconds.
+    #[arg(long, value_name = "SECONDS", default_value_t = TIMESTAMP_TOLERANCE_S)]
+    tolerance: f64,
+    /// Segment lengths of t_rel and r_rel, metres.
+    #[arg(long, value_name = "M,M,...", value_delimiter = ',', default_values_t = KITTI_LENGTHS_M)]
+    lengths: Vec<f64>,
+    /// What t_rel and r_rel do at lost frames.
+    #[arg(long, value_enum, default_value = "fill")]
+    lost: LostFrames,
+    /// Distance of the two frames of a relative pose error.
+    #[arg(long, value_name = "D", default_value_t = 1.0)]
+    rpe_delta: f64,
+    /// Unit of that distance.
+    #[arg(long, value_enum, default_value = "frames")]
+    rpe_unit: DeltaUnit,
+    /// Consecutive pairs or all.
+    #[arg(long, value_enum, default_value = "consecutive")]
+    rpe_pairs: PairMode,
+    /// Window of the scale drift, metres.
+    #[arg(long, value_name = "M", default_value_t = 50.0)]
+    scale_window: f64,
+    /// Frames per second of a KITTI file, for drift by speed.
+    #[arg(long, value_name = "HZ", default_value_t = 10.0)]
+    frame_rate: f64,
+    /// Prints JSON instead of text.
+    #[arg(long)]
+    json: bool,
+    /// Writes plots (PNG and SVG) into this folder.
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum AssociateArg {
+    Index,
+    Time,
+}
+
+pub(super) fn run(args: &TrajArgs) -> Result<()> {
+    let est = read_trajectory_file(&args.est, args.format)?;
+    let gt = read_trajectory_file(&args.gt, args.gt_format.or(args.format))?;
+    let matched = Matched::new(&est, &gt, association(args, &est, &gt))
+        .with_context(|| format!("cannot match {} with {}", args.est.display(), args.gt.display()))?;
+    let rpe = RpeOptions {
+        delta: args.rpe_delta,
+        unit: args.rpe_unit,
+        pairs: args.rpe_pairs,
+        ..RpeOptions::default()
+    };
+    let options = EvaluationOptions {
+        alignment: args.align,
+        lengths_m: args.lengths.clone(),
+        rpe,
+        scale_window_m: args.scale_window,
+        frame_rate_hz: args.frame_rate,
+        lost: args.lost,
+    };
+    let evaluated = evaluate(&matched, &options)?;
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&evaluated.figures)?);
+    } else {
+        print_files(args, &est, &gt);
+        print!("{}", text(&evaluated, &options));
+    }
+    if let Some(folder) = &args.plots {
+        write_plots(folder, args, &matched, &evaluated)?;
+    }
+    Ok(())
+}
+
+fn association(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) -> Association {
+    let by_frame = est.format == Format::Kitti && gt.format == Format::Kitti;
+    match args.associate {
+        Some(AssociateArg::Index) => Association::Index,
+        None if by_frame => Association::Index,
+        _ => Association::Timestamp { tolerance_s: args.tolerance },
+    }
+}
+
+fn print_files(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) {
+    for (what, path, file) in [("estimate", &args.est, est), ("ground truth", &args.gt, gt)] {
+        let repeated = match file.n_repeated_times {
+            0 => String::new(),
+            n => format!(", {n} rows with the time of the row before left out"),
+        };
+        let n = file.trajectory.poses.len();
+        println!("{what:<13} {} ({:?}, {n} poses{repeated})", path.display(), file.format);
+    }
+}
+
+/// The figures, one a line.
+fn text(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
+    let e = &evaluated.figures;
+    let scale = if e.alignment == Alignment::Sim3 { format!(", scale {:.6}", e.scale) } else { String::new() };
+    let mut lines = vec![
+        format!("association   {}: {} poses used of {} estimated, {} true", e.association, e.n_used, e.n_est, e.n_gt),
+        format!("coverage      {:.2} %: {} of {} frames without a pose, longest gap {}",
+            e.coverage.percent(), e.coverage.n_lost, e.coverage.n_frames, e.coverage.longest_gap),
+        format!("alignment     {}{scale}", e.alignment),
+        format!("ATE           {}", statistics(&e.ate_m, "m")),
+        drift_line(evaluated, options),
+    ];
+    for bin in &e.per_length {
+        lines.push(format!("  {:>6} m    t_rel {:.4} %, r_rel {:.4} deg/100 m, {} segments",
+            bin.at, bin.t_rel_percent, bin.r_rel_deg_per_100m, bin.n));
+    }
+    if let (Some(m), Some(deg)) = (&e.rpe_m, &e.rpe_deg) {
+        let unit = if options.rpe.unit == DeltaUnit::Frames { "frames" } else { "m" };
+        let pairs = if options.rpe.pairs == PairMode::All { "all pairs" } else { "consecutive pairs" };
+        lines.push(format!("RPE           {} {unit}, {pairs}: {}", options.rpe.delta, statistics(m, "m")));
+        lines.push(format!("              rotation: {}", statistics(deg, "deg")));
+    } else {
+        lines.push("RPE           not defined: no two poses that far apart".to_owned());
+    }
+    lines.push(match e.scale_drift_percent_per_100m {
+        Some(percent) => format!("scale drift   {percent:+.4} % per 100 m (windows of {} m)", options.scale_window_m),
+        None => format!("scale drift   not defined: fewer than two windows of {} m", options.scale_window_m),
+    });
+    lines.join("\n") + "\n"
+}
+
+fn drift_line(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
+    let e = &evaluated.figures;
+    let (Some(t), Some(r), Some(rms), Some(std)) =
+        (e.t_rel_percent, e.r_rel_deg_per_100m, e.t_rms_percent, e.t_std_percent)
+    else {
+        let shortest = options.lengths_m.iter().copied().fold(f64::INFINITY, f64::min);
+        return format!(
+            "t_rel, r_rel  not defined: no segment of the ground truth is longer than {shortest} m (--lengths sets others)"
+        );
+    };
+    let mut notes = vec![format!("{} segments", e.n_segments)];
+    notes.push(if e.alignment == Alignment::Sim3 { "after Sim3" } else { "no alignment" }.to_owned());
+    if e.n_segments_skipped > 0 {
+        notes.push(format!("{} segments without a pose left out", e.n_segments_skipped));
+    } else if e.coverage.n_lost > 0 {
+        notes.push(format!("{} lost frames filled", e.coverage.n_lost));
+    }
+    format!("t_rel         {t:.4} % (RMS {rms:.4}, std {std:.4}), r_rel {r:.4} deg/100 m ({})", notes.join(", "))
+}
+
+fn statistics(s: &Statistics, unit: &str) -> String {
+    format!(
+        "RMSE {:.6} {unit}, mean {:.6}, median {:.6}, std {:.6}, min {:.6}, max {:.6} (n = {})",
+        s.rmse, s.mean, s.median, s.std, s.min, s.max, s.n
+    )
+}
+
+fn write_plots(folder: &std::path::Path, args: &TrajArgs, matched: &Matched, evaluated: &Evaluated) -> Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let name = |path: &std::path::Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let title = format!("{} over {}", name(&args.est), name(&args.gt));
+    let aligned = |pose: &geometry::SE3| apply_alignment(&evaluated.gt_from_est, &[*pose])[0].translation;
+    let estimate: Vec<_> = matched.est.iter().map(|pose| pose.as_ref().map(aligned)).collect();
+    let ground_truth = crate::positions(&matched.gt);
+    for (file, view) in [("trajectory_top", View::Top), ("trajectory_side", View::Side)] {
+        let figure = TrajectoryFigure {
+            title: title.clone(),
+            estimate: estimate.clone(),
+            ground_truth: ground_truth.clone(),
+            view,
+        };
+        plot::save(folder, file, &figure)?;
+    }
+    plot::save(folder, "error", &ErrorFigure::new(&title, &estimate, &ground_truth))?;
+    let e = &evaluated.figures;
+    for (file, axis, bins) in
+        [("drift_length", DriftAxis::Length, &e.per_length), ("drift_speed", DriftAxis::Speed, &e.per_speed)]
+    {
+        if !bins.is_empty() {
+            plot::save(folder, file, &DriftFigure { title: title.clone(), axis, curves: vec![(name(&args.est), bins.clone())] })?;
+        }
+    }
+    println!("plots         {}", folder.display());
+    Ok(())
+}

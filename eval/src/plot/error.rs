@@ -1,0 +1,69 @@
+//! Position error along the path.
+
+use anyhow::{Result, ensure};
+use geometry::Vec3;
+use plotters::prelude::DrawingBackend;
+
+use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
+use super::canvas::{Canvas, Figure, INK, PALETTE};
+
+/// Position error of each frame over the true path travelled.
+#[derive(Clone, Debug)]
+pub struct ErrorFigure {
+    title: String,
+    /// Path length (m) and error (m); `None` where the frame was lost.
+    points: Vec<(f64, Option<f64>)>,
+}
+
+impl ErrorFigure {
+    /// Error of aligned positions `estimate` against `ground_truth`, metres, element by element.
+    pub fn new(title: &str, estimate: &[Option<Vec3>], ground_truth: &[Vec3]) -> ErrorFigure {
+        let mut travelled = 0.0;
+        let mut points = Vec::with_capacity(ground_truth.len());
+        for (i, (est, gt)) in estimate.iter().zip(ground_truth).enumerate() {
+            travelled += if i > 0 { (gt - ground_truth[i - 1]).norm() } else { 0.0 };
+            points.push((travelled, est.map(|e| (e - gt).norm())));
+        }
+        ErrorFigure { title: title.to_owned(), points }
+    }
+}
+
+impl Figure for ErrorFigure {
+    fn size(&self) -> (u32, u32) {
+        (800, 420)
+    }
+
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
+    where
+        B::ErrorType: 'static,
+    {
+        let errors: Vec<f64> = self.points.iter().filter_map(|p| p.1).collect();
+        ensure!(!errors.is_empty(), "no frame has a pose: there is no error to draw");
+        let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+        let (width, height) = (800.0, 420.0);
+        let rmse_name = format!("RMSE {rmse:.3} m");
+        let names = ["position error", rmse_name.as_str()];
+        header(
+            canvas,
+            width,
+            &self.title,
+            &[
+                Key { text: names[0], color: PALETTE[1], width: 2.5 },
+                Key { text: names[1], color: INK, width: 1.5 },
+            ],
+        )?;
+        let top = header_height(width, &names);
+        let axes = Axes {
+            frame: Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 },
+            x: range(self.points.iter().map(|p| p.0), Margin::Tight),
+            y: range(errors.iter().copied(), Margin::FromZero),
+        };
+        axes.draw(canvas, "path travelled [m]", "position error [m]")?;
+        canvas.line(&[axes.at(axes.x.0, rmse), axes.at(axes.x.1, rmse)], INK, 1.5)?;
+        for run in self.points.split(|p| p.1.is_none()) {
+            let pixels: Vec<(f64, f64)> = run.iter().filter_map(|&(x, y)| Some(axes.at(x, y?))).collect();
+            canvas.line(&pixels, PALETTE[1], 2.5)?;
+        }
+        Ok(())
+    }
+}
