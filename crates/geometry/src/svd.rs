@@ -132,6 +132,7 @@ mod tests {
 
     fn check_right<const N: usize>(matrix: &SMatrix<f64, N, N>) {
         let svd = RightSvd::new(matrix).unwrap();
+        assert!(svd.right.iter().chain(svd.images.iter()).all(|v| v.is_finite()));
         let unit = if matrix.amax() == 0.0 { 1.0 } else { matrix.amax() };
         assert!((svd.right.transpose() * svd.right - SMatrix::identity()).amax() < 1e-14);
         let (images, values) = (svd.images / unit, svd.values / unit);

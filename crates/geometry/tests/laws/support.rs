@@ -16,6 +16,8 @@ pub(crate) const RIG: StereoRig = StereoRig { camera: CAMERA, baseline_m: 0.54 }
 macro_rules! assert_close {
     ($left:expr, $right:expr, $tolerance:expr) => {{
         let (left, right) = (($left).clone_owned(), ($right).clone_owned());
+        // `amax` passes over what is not a number.
+        assert!(left.iter().chain(right.iter()).all(|v| v.is_finite()), "not finite: {left} {right}");
         let difference = (left - right).amax();
         assert!(difference <= $tolerance, "difference {difference:e} of {left} and {right}");
     }};
