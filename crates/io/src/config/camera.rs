@@ -1,6 +1,6 @@
 //! The camera of a run: the dataset's calibration file wins over the configuration, and the program says so.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use geometry::{Distortion, Pinhole, StereoRig};
 
@@ -71,24 +71,20 @@ impl Config {
     ///
     /// # Errors
     /// [`CameraError::Missing`] naming `dataset`, the missing key and what to do.
-    pub fn camera_in_force(
-        &self,
-        dataset: &std::path::Path,
-        sensor: Sensor,
-    ) -> Result<Calibration, CameraError> {
+    pub fn camera_in_force(&self, dataset: &Path, sensor: Sensor) -> Result<Calibration, CameraError> {
         let camera = &self.camera;
         let need = |missing: &'static str, value: Option<f64>| {
             value.ok_or_else(|| CameraError::Missing { dataset: dataset.to_path_buf(), missing })
-        };
-        let baseline_m = match sensor {
-            Sensor::Mono => camera.baseline_m.unwrap_or(0.0),
-            Sensor::Stereo | Sensor::Rgbd => need("camera.baseline_m", camera.baseline_m)?,
         };
         let pinhole = Pinhole {
             fx: need("camera.fx", camera.fx)?,
             fy: need("camera.fy", camera.fy)?,
             cx: need("camera.cx", camera.cx)?,
             cy: need("camera.cy", camera.cy)?,
+        };
+        let baseline_m = match sensor {
+            Sensor::Mono => camera.baseline_m.unwrap_or(0.0),
+            Sensor::Stereo | Sensor::Rgbd => need("camera.baseline_m", camera.baseline_m)?,
         };
         Ok(Calibration {
             rig: StereoRig { camera: pinhole, baseline_m },

@@ -54,6 +54,10 @@ fn check(given: &Given) -> Result<Option<&'static Entry>, Problem> {
         let expected = format!("a section with keys {}", names.join(", "));
         return Err(Problem::new(&given.place, &given.key, &given.value, &expected));
     }
+    let inside = |entry: &&Entry| given.key.starts_with(&format!("{}.", entry.key));
+    if let Some(entry) = SCHEMA.iter().find(inside) {
+        return Err(Problem::new(&given.place, entry.key, "a section", &entry.expectation()));
+    }
     let message = match suggest::find_nearest(&given.key, SCHEMA.iter().map(|entry| entry.key)) {
         Some(nearest) => format!("unknown key, did you mean {nearest}?"),
         None => "unknown key".to_string(),

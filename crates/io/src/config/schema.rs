@@ -79,7 +79,6 @@ pub(super) const fn above(low: f64) -> Range {
     Range { low, with_low: false, high: f64::INFINITY }
 }
 
-/// Numbers from `low` on.
 /// Numbers from `low` to `high`, both included.
 pub(super) const fn between(low: f64, high: f64) -> Range {
     Range { low, with_low: true, high }

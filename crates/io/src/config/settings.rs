@@ -71,7 +71,7 @@ pub struct FeatureSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StereoSettings {
-    /// Nearest depth searched for, m; absent: the baseline.
+    /// Nearest depth searched for, m; absent: four baselines.
     pub min_depth_m: Option<f64>,
     /// Depth in baselines up to which a point is close.
     pub close_depth_baselines: f64,

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_saphyr::Spanned;
+use serde_saphyr::options::{DuplicateKeyPolicy, NonFiniteFloatPolicy};
 
 use super::problem::{Problem, Provenance};
 use super::schema::Value;
@@ -41,7 +42,7 @@ pub(super) fn read_file(path: &Path, problems: &mut Vec<Problem>) -> Vec<Given> 
         }
     };
     let mut given = Vec::new();
-    match serde_saphyr::from_str::<Spanned<Node>>(file.text()) {
+    match serde_saphyr::from_str_with_options::<Spanned<Node>>(file.text(), options()) {
         Ok(root) => flatten(path, "", root, &mut given, problems),
         Err(error) => problems.push(syntax_problem(path, &error)),
     }
@@ -55,11 +56,19 @@ pub(super) fn read_override(argument: &str, problems: &mut Vec<Problem>) -> Opti
         problems.push(Problem::new(&place, "", "no `=`", "key=value, such as features.keep=500"));
         return None;
     };
-    let value = match serde_saphyr::from_str::<Node>(text) {
+    let value = match serde_saphyr::from_str_with_options::<Node>(text, options()) {
         Ok(Node::Scalar(value)) => value,
         _ => Value::Text(text.to_string()),
     };
     Some(Given { key: key.trim().to_string(), value, place })
+}
+
+/// Repeated keys and numbers that are not finite are let through, so that they are reported beside all other problems.
+fn options() -> serde_saphyr::Options {
+    serde_saphyr::options! {
+        duplicate_keys: DuplicateKeyPolicy::PassThrough,
+        non_finite_float_policy: NonFiniteFloatPolicy::PassThrough,
+    }
 }
 
 /// Adds all values under a node; a key is its path with dots.
@@ -86,15 +95,13 @@ fn file_place(path: &Path, line: u64, column: u64) -> Provenance {
     Provenance::File { path: path.to_path_buf(), line, column }
 }
 
-/// The parser's own message with its place.
+/// The parser's own message; its place stands in front already.
 fn syntax_problem(path: &Path, error: &serde_saphyr::Error) -> Problem {
-    let location = error.location();
-    let place = file_place(
-        path,
-        location.map_or(0, |location| location.line()),
-        location.map_or(0, |location| location.column()),
-    );
-    Problem { place, key: String::new(), message: format!("broken YAML: {}", error.without_snippet()) }
+    let (line, column) = error.location().map_or((0, 0), |location| (location.line(), location.column()));
+    let message = error.without_snippet().to_string();
+    let message = message.strip_suffix(&format!(" at line {line}, column {column}")).unwrap_or(&message);
+    let place = file_place(path, line, column);
+    Problem { place, key: String::new(), message: format!("broken YAML: {message}") }
 }
 
 impl<'de> Deserialize<'de> for Node {

@@ -32,7 +32,7 @@ pub const SCHEMA: &[Entry] = &[
     integer("features.fast_minimum", 7, "grey levels", [1, 255], "FAST threshold of a cell where the first finds nothing"),
     flag("features.subpixel", true, "refine the position of keypoints below one pixel"),
 
-    optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: the baseline"),
+    optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: four baselines"),
     real("stereo.close_depth_baselines", 40.0, "baselines", above(0.0), "a point nearer than this makes a map point at once"),
 
     integer("tracking.init_min_features", 500, "", [10, 100_000], "features with depth needed to start a map"),

@@ -37,9 +37,12 @@ fn pose_from_row(line: &Line<'_>, row: &[f64; 12]) -> Result<SE3, FileError> {
     const TOLERANCE: f64 = 0.01;
     let matrix = Mat3::new(row[0], row[1], row[2], row[4], row[5], row[6], row[8], row[9], row[10]);
     let deviation = (matrix.transpose() * matrix - Mat3::identity()).amax();
-    if deviation > TOLERANCE || matrix.determinant() < 0.0 {
+    let is_mirrored = matrix.determinant() < 0.0;
+    if deviation > TOLERANCE || is_mirrored {
+        let why =
+            if is_mirrored { "a mirror image".to_string() } else { format!("deviation {deviation:.3}") };
         return Err(line.error(
-            format!("a 3x3 matrix that is no rotation (deviation {deviation:.3})"),
+            format!("a 3x3 matrix that is no rotation ({why})"),
             "a pose whose first three columns are a rotation",
         ));
     }

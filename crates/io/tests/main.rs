@@ -1,0 +1,17 @@
+//! Tests of the crate's public face: formats, configuration, and the exact message for each kind of bad input.
+
+#![allow(clippy::unwrap_used)]
+
+mod suite {
+    mod bad_dataset;
+    mod bad_image;
+    mod calibration;
+    mod config;
+    mod config_errors;
+    mod images;
+    mod kitti_layout;
+    mod real_data;
+    mod support;
+    mod trajectory;
+    mod tum_layout;
+}

@@ -1,0 +1,75 @@
+//! Real sequences, where `DSSLAM_DATA` names their folder; without it these tests have nothing to look at.
+
+use std::path::PathBuf;
+
+use io::{Sensor, Sequence, load_frame, open_sequence};
+
+/// A sequence of the data folder, if there is one.
+fn open(name: &str, sensor: Option<Sensor>) -> Option<Sequence> {
+    let folder = PathBuf::from(std::env::var_os("DSSLAM_DATA")?).join(name);
+    folder.is_dir().then(|| open_sequence(&folder, sensor).unwrap())
+}
+
+#[test]
+fn kitti_sequences() {
+    let expected = [
+        ("kitti06_first51", 51, "1226x370", 707.0912, 0.5371506, 0),
+        ("kitti03_first400", 99, "1242x375", 721.5377, 0.5371506, 1),
+        ("kittiraw_1405", 377, "1242x375", 721.5377, 0.5371506, 0),
+        ("kittiraw_0005", 154, "1242x375", 721.5377, 0.5371506, 0),
+    ];
+    for (name, n_frames, size, fx, baseline_m, n_warnings) in expected {
+        let Some(sequence) = open(name, None) else { continue };
+        assert_eq!((sequence.frames.len(), sequence.sensor), (n_frames, Sensor::Stereo), "{name}");
+        assert_eq!(sequence.warnings.len(), n_warnings, "{:?}", sequence.warnings);
+        let calibration = sequence.calibration.as_ref().unwrap();
+        assert_eq!(calibration.rig.camera.fx, fx);
+        assert!(
+            (calibration.rig.baseline_m - baseline_m).abs() < 1e-3,
+            "{name}: {}",
+            calibration.rig.baseline_m
+        );
+        let frame = load_frame(&sequence.frames[n_frames / 2]).unwrap();
+        assert_eq!(frame.size().to_string(), size);
+        assert_eq!(sequence.image_size().unwrap(), (0, frame.size()));
+        if let Some(truth) = &sequence.ground_truth {
+            assert_eq!(truth.poses.len(), n_frames, "{name}");
+        }
+    }
+}
+
+#[test]
+fn monocular_takes_all_left_images() {
+    let Some(sequence) = open("kitti03_first400", Some(Sensor::Mono)) else { return };
+    assert_eq!((sequence.frames.len(), sequence.warnings.len()), (400, 0));
+}
+
+/// The list of pairs in the folder was made by TUM's own tool.
+#[test]
+fn tum_association() {
+    let Some(sequence) = open("tum_fr1_desk", None) else { return };
+    let folder = PathBuf::from(std::env::var_os("DSSLAM_DATA").unwrap()).join("tum_fr1_desk");
+    let list = std::fs::read_to_string(folder.join("associations.txt")).unwrap();
+    let expected: Vec<(PathBuf, Option<PathBuf>)> = list
+        .lines()
+        .map(|line| {
+            let fields: Vec<&str> = line.split_whitespace().collect();
+            (folder.join(fields[1]), Some(folder.join(fields[3])))
+        })
+        .collect();
+    let found: Vec<_> =
+        sequence.frames.iter().map(|frame| (frame.left.clone(), frame.depth.clone())).collect();
+    assert_eq!(found, expected);
+    assert_eq!(load_frame(&sequence.frames[100]).unwrap().size().to_string(), "640x480");
+}
+
+#[test]
+fn euroc_ground_truth() {
+    let Some(data) = std::env::var_os("DSSLAM_DATA") else { return };
+    let path = PathBuf::from(data).join("euroc_MH01_200/mav0/state_groundtruth_estimate0/data.csv");
+    if path.is_file() {
+        let truth = io::read_trajectory(&path).unwrap();
+        assert!((truth.poses[0].world_from_cam.translation.x - 4.726707).abs() < 1e-9);
+        assert!(truth.poses.len() > 1000);
+    }
+}

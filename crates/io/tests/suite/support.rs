@@ -1,0 +1,93 @@
+//! Small datasets in temporary folders; tests change one thing and look at the answer.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use geometry::{DepthImage, GrayImage};
+use tempfile::TempDir;
+
+/// Projection matrices of a rectified pair: f 700, centre (20, 10), baseline 0.54 m, exact in binary.
+pub(super) const P0: &str = "P0: 7.0e+02 0 20 0 0 7.0e+02 10 0 0 0 1 0";
+pub(super) const P1: &str = "P1: 7.0e+02 0 20 -378 0 7.0e+02 10 0 0 0 1 0";
+
+/// A folder that vanishes with the test.
+pub(super) struct Folder(TempDir);
+
+impl Folder {
+    pub(super) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    /// A KITTI folder with `n` grey pairs of 40x20 pixels, ten frames a second.
+    pub(super) fn kitti(n: u32) -> Self {
+        let folder = Self::new();
+        folder.write("calib.txt", format!("{P0}\n{P1}\n"));
+        let times: Vec<String> = (0..n).map(|i| format!("{:e}\n", f64::from(i) / 10.0)).collect();
+        folder.write("times.txt", times.concat());
+        for i in 0..n {
+            folder.gray(&format!("image_0/{i:06}.png"), 40, 20);
+            folder.gray(&format!("image_1/{i:06}.png"), 40, 20);
+        }
+        folder
+    }
+
+    /// A TUM folder with three colour and three depth images, 5 ms apart.
+    pub(super) fn tum() -> Self {
+        let folder = Self::new();
+        folder.write("rgb.txt", "# colour\n1.000 rgb/a.png\n1.100 rgb/b.png\n1.200 rgb/c.png\n");
+        folder.write("depth.txt", "# depth\n1.005 depth/a.png\n1.105 depth/b.png\n1.205 depth/c.png\n");
+        for name in ["a", "b", "c"] {
+            folder.gray(&format!("rgb/{name}.png"), 40, 20);
+            let depth = DepthImage::new(40, 20, 5000);
+            io::save_png_depth(&folder.prepare(&format!("depth/{name}.png")), &depth).unwrap();
+        }
+        folder
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    pub(super) fn file(&self, name: &str) -> PathBuf {
+        self.path().join(name)
+    }
+
+    /// The path of a file whose folder exists.
+    pub(super) fn prepare(&self, name: &str) -> PathBuf {
+        let path = self.file(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        path
+    }
+
+    pub(super) fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.prepare(name);
+        fs::write(&path, content).unwrap();
+        path
+    }
+
+    pub(super) fn gray(&self, name: &str, width: usize, height: usize) -> PathBuf {
+        let path = self.prepare(name);
+        let image = GrayImage::from_fn(width, height, |x, y| ((x * 7 + y * 13) % 256) as u8);
+        io::save_png_gray(&path, &image).unwrap();
+        path
+    }
+
+    pub(super) fn remove(&self, name: &str) {
+        fs::remove_file(self.file(name)).unwrap();
+    }
+
+    /// A message with this folder's path written as `DIR`.
+    pub(super) fn hide(&self, message: impl std::fmt::Display) -> String {
+        message.to_string().replace(&self.path().display().to_string(), "DIR")
+    }
+
+    /// The names in the folder, sorted.
+    pub(super) fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(self.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}

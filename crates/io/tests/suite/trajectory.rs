@@ -1,0 +1,226 @@
+//! Trajectories survive writing and reading; broken files get their exact message.
+
+use geometry::{SE3, Vec6};
+use io::{
+    FileError, StampedPose, Trajectory, read_euroc, read_kitti_poses, read_trajectory, read_tum, write_kitti,
+    write_tum,
+};
+use proptest::prelude::*;
+
+use super::support::Folder;
+
+/// A curve of `n` poses with positions up to `scale` metres.
+fn curve(n: u32, scale: f64) -> Trajectory {
+    let poses = (0..n).map(|i| {
+        let s = f64::from(i);
+        let twist =
+            Vec6::new(scale * s.sin(), -scale * 1e-7, scale * (0.3 * s).cos(), 0.9 * s.cos(), 0.4 * s, -0.01);
+        StampedPose { timestamp_s: 1_305_031_453.359_684 + s / 30.0, world_from_cam: SE3::exp(&twist) }
+    });
+    Trajectory { poses: poses.collect() }
+}
+
+fn largest_difference(a: &Trajectory, b: &Trajectory) -> f64 {
+    assert_eq!(a.poses.len(), b.poses.len());
+    let rows =
+        a.poses.iter().zip(&b.poses).map(|(a, b)| (a.world_from_cam.rows_3x4(), b.world_from_cam.rows_3x4()));
+    rows.flat_map(|(a, b)| std::iter::zip(a, b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+proptest! {
+    #[test]
+    fn round_trips(n in 1_u32..30, scale in 0.001..1000.0) {
+        let folder = Folder::new();
+        let curve = curve(n, scale);
+        write_kitti(&folder.file("k.txt"), &curve).unwrap();
+        write_tum(&folder.file("t.txt"), &curve).unwrap();
+        let kitti = read_trajectory(&folder.file("k.txt")).unwrap();
+        let tum = read_trajectory(&folder.file("t.txt")).unwrap();
+        prop_assert!(largest_difference(&kitti, &curve) < 1e-9);
+        prop_assert!(largest_difference(&tum, &curve) < 1e-9);
+        for (read, written) in tum.poses.iter().zip(&curve.poses) {
+            prop_assert!((read.timestamp_s - written.timestamp_s).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn kitti_text() {
+    let folder = Folder::new();
+    let pose = StampedPose { timestamp_s: 5.0, world_from_cam: SE3::identity() };
+    write_kitti(&folder.file("k.txt"), &Trajectory { poses: vec![pose] }).unwrap();
+    let text = std::fs::read_to_string(folder.file("k.txt")).unwrap();
+    let (one, zero) = ("1.000000000000e+00", "0.000000000000e+00");
+    let row = [one, zero, zero, zero, zero, one, zero, zero, zero, zero, one, zero].join(" ");
+    assert_eq!(text, row + "\n");
+}
+
+#[test]
+fn kitti_rows_have_no_times() {
+    let folder = Folder::new();
+    write_kitti(&folder.file("k.txt"), &curve(4, 1.0)).unwrap();
+    let read = read_kitti_poses(&folder.file("k.txt")).unwrap();
+    assert_eq!(read.poses[3].timestamp_s, 3.0);
+    let stamped = read.with_times(&[0.5, 1.5, 2.5]);
+    assert_eq!((stamped.poses.len(), stamped.poses[2].timestamp_s), (3, 2.5));
+    assert_eq!(stamped.poses[2].world_from_cam, read.poses[2].world_from_cam);
+}
+
+#[test]
+fn tum_text() {
+    let folder = Folder::new();
+    let pose = StampedPose { timestamp_s: 1.25, world_from_cam: SE3::identity() };
+    write_tum(&folder.file("t.txt"), &Trajectory { poses: vec![pose] }).unwrap();
+    let zero = "0.000000000000";
+    assert_eq!(
+        std::fs::read_to_string(folder.file("t.txt")).unwrap(),
+        format!(
+            "# timestamp tx ty tz qx qy qz qw\n1.250000000 {zero} {zero} {zero} {zero} {zero} {zero} 1.000000000000\n"
+        )
+    );
+}
+
+#[test]
+fn euroc_ground_truth() {
+    let folder = Folder::new();
+    let path = folder.write(
+        "data.csv",
+        "#timestamp [ns],p_RS_R_x [m],...\n1403636589663560000,4.5,-1.5,0.5,0.6,0,0,0.8,9,9,9\n\
+         1403636589668560000, 4.75, -1.5, 0.5, 0.6, 0, 0, 0.8\n",
+    );
+    let read = read_trajectory(&path).unwrap();
+    assert_eq!(read.poses.len(), 2);
+    assert!((read.poses[0].timestamp_s - 1_403_636_589.663_56).abs() < 1e-6);
+    assert_eq!(read.poses[1].world_from_cam.translation.x, 4.75);
+    // w = 0.6, z = 0.8: a turn about z whose cosine is 1 - 2 * 0.64.
+    assert!((read.poses[0].world_from_cam.rotation.matrix()[(0, 0)] + 0.28).abs() < 1e-12);
+}
+
+#[test]
+fn nearest_in_time() {
+    let poses =
+        [1.0, 2.0, 4.0].map(|timestamp_s| StampedPose { timestamp_s, world_from_cam: SE3::identity() });
+    let trajectory = Trajectory { poses: poses.to_vec() };
+    let found = |time, tolerance| trajectory.find_nearest(time, tolerance).map(|pose| pose.timestamp_s);
+    assert_eq!(found(1.4, 0.5), Some(1.0));
+    assert_eq!(found(1.6, 0.5), Some(2.0));
+    assert_eq!(found(3.0, 1.0), Some(2.0), "the earlier of two");
+    assert_eq!(found(3.0, 0.9), None);
+    assert_eq!(found(0.0, 1.0), Some(1.0));
+    assert_eq!(found(9.0, 5.0), Some(4.0));
+    assert_eq!(Trajectory::default().find_nearest(0.0, 1.0), None);
+}
+
+/// The message of reading a file with this content.
+fn refused(read: fn(&std::path::Path) -> Result<Trajectory, FileError>, content: &str) -> String {
+    let folder = Folder::new();
+    folder.hide(read(&folder.write("file", content)).unwrap_err())
+}
+
+#[test]
+fn broken_kitti_files() {
+    let row = "1 0 0 0 0 1 0 0 0 0 1 0";
+    assert_eq!(
+        refused(read_kitti_poses, "\n"),
+        "DIR/file: found no data, expected 12 numbers (the 3x4 pose, row by row)"
+    );
+    assert_eq!(
+        refused(read_kitti_poses, &format!("{row}\n{row} 7\n")),
+        "DIR/file:2: found 13 numbers, expected 12 numbers (the 3x4 pose, row by row)"
+    );
+    assert_eq!(
+        refused(read_kitti_poses, &format!("{row}\n{row}\n{}\n", row.replacen('1', "inf", 1))),
+        "DIR/file:3: found `inf`, expected a finite number"
+    );
+    assert_eq!(
+        refused(read_kitti_poses, "2 0 0 0 0 1 0 0 0 0 1 0\n"),
+        "DIR/file:1: found a 3x3 matrix that is no rotation (deviation 3.000), expected a pose whose first three \
+         columns are a rotation"
+    );
+    assert_eq!(
+        refused(read_kitti_poses, "-1 0 0 0 0 1 0 0 0 0 1 0\n"),
+        "DIR/file:1: found a 3x3 matrix that is no rotation (a mirror image), expected a pose whose first three \
+         columns are a rotation"
+    );
+}
+
+#[test]
+fn broken_tum_files() {
+    assert_eq!(
+        refused(read_tum, "# only a comment\n"),
+        "DIR/file: found no data, expected 8 numbers (timestamp tx ty tz qx qy qz qw)"
+    );
+    assert_eq!(
+        refused(read_tum, "1 0 0 0 0 0 1\n"),
+        "DIR/file:1: found 7 numbers, expected 8 numbers (timestamp tx ty tz qx qy qz qw)"
+    );
+    assert_eq!(
+        refused(read_tum, "1 0 0 0 0 0 0 1\n2 0 nan 0 0 0 0 1\n"),
+        "DIR/file:2: found `nan`, expected a finite number"
+    );
+    assert_eq!(
+        refused(read_tum, "1 0 0 0 0 0 0 1\n\n0.5 0 0 0 0 0 0 1\n"),
+        "DIR/file:3: found time 0.5 after 1 of the entry before, expected strictly increasing times"
+    );
+    assert_eq!(
+        refused(read_tum, "1 0 0 0 0 0 0 0\n"),
+        "DIR/file:1: found a quaternion of length 0.000000, expected a unit quaternion"
+    );
+}
+
+#[test]
+fn broken_euroc_files() {
+    let expected = "at least 8 numbers with commas (ns, px, py, pz, qw, qx, qy, qz)";
+    assert_eq!(refused(read_euroc, "#x\n"), format!("DIR/file: found no data, expected {expected}"));
+    assert_eq!(refused(read_euroc, "1,2,3\n"), format!("DIR/file:1: found 3 fields, expected {expected}"));
+    assert_eq!(
+        refused(read_euroc, "1.5,0,0,0,1,0,0,0\n"),
+        "DIR/file:1: found `1.5`, expected whole nanoseconds"
+    );
+    assert_eq!(refused(read_euroc, "1,0,x,0,1,0,0,0\n"), "DIR/file:1: found `x`, expected a number");
+}
+
+#[test]
+fn unknown_format() {
+    let expected = "a trajectory (KITTI: 12 numbers a line, TUM: 8, EuRoC: at least 8 with commas)";
+    assert_eq!(
+        refused(read_trajectory, "1 2 3\n"),
+        format!("DIR/file:1: found 3 fields, expected {expected}")
+    );
+    assert_eq!(refused(read_trajectory, ""), format!("DIR/file: found no data, expected {expected}"));
+    let folder = Folder::new();
+    assert_eq!(
+        folder.hide(read_trajectory(&folder.file("none")).unwrap_err()),
+        format!("DIR/none: no such file, expected {expected}")
+    );
+}
+
+#[test]
+fn folders_that_cannot_be_written() {
+    let folder = Folder::new();
+    folder.write("file", "x");
+    let reason = "cannot be written: Not a directory (os error 20)";
+    let error = write_tum(&folder.file("file/t.txt"), &curve(1, 1.0)).unwrap_err();
+    assert_eq!(folder.hide(error), format!("DIR/file/t.txt: {reason}"));
+    let error = io::create_output_folder(&folder.file("file/results")).unwrap_err();
+    assert_eq!(folder.hide(error), format!("DIR/file/results: {reason}"));
+    let error = write_kitti(&folder.file("none/k.txt"), &curve(1, 1.0)).unwrap_err();
+    assert_eq!(
+        folder.hide(error),
+        "DIR/none/k.txt: cannot be written: No such file or directory (os error 2)"
+    );
+}
+
+#[test]
+fn writing_replaces_the_whole_file_and_leaves_nothing_else() {
+    let folder = Folder::new();
+    io::create_output_folder(&folder.file("a/b")).unwrap();
+    assert!(folder.file("a/b").is_dir());
+    write_tum(&folder.file("t.txt"), &curve(20, 1.0)).unwrap();
+    write_tum(&folder.file("t.txt"), &curve(2, 1.0)).unwrap();
+    assert_eq!(read_tum(&folder.file("t.txt")).unwrap().poses.len(), 2);
+    assert_eq!(folder.names(), ["a", "t.txt"]);
+    // A folder in the way: nothing is renamed over it and no temporary file stays.
+    assert!(write_tum(&folder.file("a"), &curve(2, 1.0)).is_err());
+    assert_eq!(folder.names(), ["a", "t.txt"]);
+}
