@@ -1,9 +1,10 @@
 //! ORB features of an image (Rublee et al., ICCV 2011) with the distribution of ORB-SLAM2.
 
 use crate::descriptor::Descriptor;
-use crate::detect::{Detector, region, rows_around};
+use crate::detect::{Detector, region};
 use crate::kernels::brief::{REACH, describe};
-use crate::kernels::{Simd, blur, fast, moments};
+use crate::kernels::fast::{self, RADIUS};
+use crate::kernels::{Simd, blur, moments};
 use crate::keypoint::{ExtractorConfig, Features, Keypoint};
 use crate::plane::{Plane, reflect};
 use crate::pyramid::Pyramid;
@@ -30,7 +31,7 @@ struct Worker {
     detector: Detector,
     quadtree: Quadtree,
     corners: Vec<Corner>,
-    kept: Vec<u32>,
+    kept: Vec<Corner>,
     blurred: Plane,
     line: Vec<i16>,
     features: Features,
@@ -102,8 +103,7 @@ impl Worker {
             return;
         }
         blur::gaussian(simd, level, &mut self.line, &mut self.blurred);
-        for &index in &self.kept {
-            let corner = self.corners[index as usize];
+        for corner in &self.kept {
             let (x, y) = (usize::from(corner.x), usize::from(corner.y));
             let (m10, m01) = moments::moments(simd, level.data(), level.stride(), y * level.stride() + x);
             let angle_deg = direction_deg(m10, m01);
@@ -137,22 +137,33 @@ fn describe_at(simd: Simd, blurred: &Plane, x: usize, y: usize, angle_deg: f32) 
         return describe(simd, blurred.data(), stride, y * stride + x, cos, sin);
     }
     const SIDE: usize = 2 * REACH + 1;
+    let mirrored = |p: usize, len: usize| -> [usize; SIDE] {
+        std::array::from_fn(|i| reflect(p as isize + i as isize - REACH as isize, len))
+    };
+    let columns = mirrored(x, blurred.width());
     let mut patch = [0; SIDE * SIDE + 3];
-    for (i, value) in patch[..SIDE * SIDE].iter_mut().enumerate() {
-        let at = |p: usize, i: usize, len: usize| reflect(p as isize + i as isize - REACH as isize, len);
-        *value = blurred.at(at(x, i % SIDE, blurred.width()), at(y, i / SIDE, blurred.height()));
+    for (line, row) in patch.chunks_exact_mut(SIDE).zip(mirrored(y, blurred.height())) {
+        let source = blurred.pixels(row);
+        for (value, column) in line.iter_mut().zip(columns) {
+            *value = source[column];
+        }
     }
     describe(simd, &patch, SIDE, REACH * SIDE + REACH, cos, sin)
 }
 
-/// Position of the score's maximum relative to a corner, by a parabola in each direction, within half a pixel.
+/// Position of a corner relative to its pixel: centroid of the squared scores of its 3 x 3 surroundings, within a pixel.
+///
+/// Of the estimators tried (parabola, quadratic surface, structure tensor, Harris) this one repeats best between two views.
 fn refine(simd: Simd, level: &Plane, x: usize, y: usize) -> (f32, f32) {
-    let _ = simd;
-    let score = |x: usize, y: usize| f32::from(fast::score_at(&rows_around(level, y), x));
-    let centre = score(x, y);
-    let offset = |before: f32, after: f32| {
-        let curvature = 2.0 * centre - before - after;
-        if curvature > 0.0 { (0.5 * (after - before) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
-    };
-    (offset(score(x - 1, y), score(x + 1, y)), offset(score(x, y - 1), score(x, y + 1)))
+    let scores = fast::score_square(simd, &std::array::from_fn(|i| level.row(y + i - RADIUS - 1)), x);
+    let (mut sum, mut sum_x, mut sum_y) = (0, 0, 0);
+    for (row, dy) in scores.iter().zip(-1..) {
+        for (score, dx) in row.iter().zip(-1..) {
+            let weight = i32::from(*score) * i32::from(*score);
+            sum += weight;
+            sum_x += dx * weight;
+            sum_y += dy * weight;
+        }
+    }
+    if sum == 0 { (0.0, 0.0) } else { (sum_x as f32 / sum as f32, sum_y as f32 / sum as f32) }
 }

@@ -9,7 +9,34 @@ pub(crate) struct Corner {
     pub(crate) score: u8,
 }
 
-/// A cell `[x0, x1) x [y0, y1)` and its corners, `order[start..end]`.
+/// A corner on its way through the tree, in one word: from the top score, lower index first, then row and column. The
+/// largest word of a cell is therefore its strongest corner.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Item(u64);
+
+impl Item {
+    /// Indices have 24 bits; images of the supported size have fewer corners.
+    const LAST: u64 = (1 << 24) - 1;
+
+    fn new(index: usize, corner: &Corner) -> Self {
+        let place = u64::from(corner.y) << 16 | u64::from(corner.x);
+        Self(u64::from(corner.score) << 56 | (Self::LAST - index as u64) << 32 | place)
+    }
+
+    fn x(self) -> u16 {
+        self.0 as u16
+    }
+
+    fn y(self) -> u16 {
+        (self.0 >> 16) as u16
+    }
+
+    fn corner(self) -> Corner {
+        Corner { x: self.x(), y: self.y(), score: (self.0 >> 56) as u8 }
+    }
+}
+
+/// A cell `[x0, x1) x [y0, y1)` and its corners, `items[start..end]`.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     x0: u16,
@@ -29,49 +56,43 @@ impl Node {
 /// Scratch memory of the distribution, kept from call to call.
 #[derive(Debug, Default)]
 pub(crate) struct Quadtree {
-    order: Vec<u32>,
-    scratch: Vec<u32>,
+    items: Vec<Item>,
     nodes: Vec<Node>,
     next: Vec<Node>,
-    splittable: Vec<(u32, u32)>,
+    splittable: Vec<u64>,
+    strongest: Vec<Item>,
 }
 
 impl Quadtree {
-    /// Indices, ascending, of at most `wanted` of `corners`, which must lie in `[x0, x1) x [y0, y1)`.
+    /// At most `wanted` of `corners`, by row and column. All must lie in `bounds`, `[x0, x1) x [y0, y1)`.
     ///
-    /// Equal cell sizes are split in order of creation, equal scores are won by the lower index.
+    /// Of equally full cells the one created first is split first, of equally strong corners the first one is kept.
     pub(crate) fn distribute(
         &mut self,
         corners: &[Corner],
         bounds: [u16; 4],
         wanted: usize,
-        kept: &mut Vec<u32>,
+        kept: &mut Vec<Corner>,
     ) {
         kept.clear();
         if wanted == 0 || corners.is_empty() {
             return;
         }
-        if corners.len() <= wanted {
-            kept.extend(0..corners.len() as u32);
-            return;
+        let corners = &corners[..corners.len().min(Item::LAST as usize)];
+        self.items.clear();
+        self.items.extend(corners.iter().enumerate().map(|(i, corner)| Item::new(i, corner)));
+        if corners.len() > wanted {
+            self.plant(bounds);
+            while self.split_all(wanted) {}
+            while self.nodes.len() < wanted && self.split_fullest(wanted) {}
+            self.keep_strongest(wanted);
         }
-        self.order.clear();
-        self.order.extend(0..corners.len() as u32);
-        self.scratch.resize(corners.len(), 0);
-        self.plant(corners, bounds);
-        while self.split_all(corners, wanted) {}
-        while self.nodes.len() < wanted && self.split_fullest(corners, wanted) {}
-        kept.extend(self.nodes.iter().map(|node| strongest(corners, &self.order, node)));
-        if kept.len() > wanted {
-            // A split adds up to three nodes at once: the weakest go.
-            kept.sort_unstable_by_key(|&i| (u8::MAX - corners[i as usize].score, i));
-            kept.truncate(wanted);
-        }
-        kept.sort_unstable();
+        self.items.sort_unstable_by_key(|item| item.0 as u32);
+        kept.extend(self.items.iter().map(|item| item.corner()));
     }
 
     /// Makes the root cells: about square, side by side.
-    fn plant(&mut self, corners: &[Corner], [x0, y0, x1, y1]: [u16; 4]) {
+    fn plant(&mut self, [x0, y0, x1, y1]: [u16; 4]) {
         let (width, height) = (f64::from(x1 - x0), f64::from(y1 - y0));
         let n_roots = ((width / height).round() as usize).clamp(1, usize::from(x1 - x0));
         let edge = |i: usize| x0 + (width * i as f64 / n_roots as f64).round() as u16;
@@ -79,8 +100,7 @@ impl Quadtree {
         let mut start = 0;
         for i in 0..n_roots {
             let (left, right) = (edge(i), edge(i + 1));
-            let end = start
-                + partition(&mut self.order[start..], &mut self.scratch, |c| corners[c as usize].x < right);
+            let end = start + partition(&mut self.items[start..], |item| item.x() < right);
             if end > start {
                 let (start, end) = (start as u32, end as u32);
                 self.nodes.push(Node { x0: left, y0, x1: right, y1, start, end });
@@ -89,38 +109,36 @@ impl Quadtree {
         }
     }
 
-    /// One breadth-first pass: every cell with more than one corner is split. Returns whether another pass may follow
-    /// without overshooting `wanted`.
-    fn split_all(&mut self, corners: &[Corner], wanted: usize) -> bool {
-        let before = self.nodes.len();
+    /// One breadth-first pass: every cell with more than one corner is split. Returns whether it could be done without
+    /// overshooting `wanted`.
+    fn split_all(&mut self, wanted: usize) -> bool {
         let n_splittable = self.nodes.iter().filter(|n| n.len() > 1).count();
-        if n_splittable == 0 || before + 3 * n_splittable > wanted {
+        if n_splittable == 0 || self.nodes.len() + 3 * n_splittable > wanted {
             return false;
         }
-        let nodes = std::mem::take(&mut self.nodes);
         self.next.clear();
-        for node in &nodes {
+        for node in &self.nodes {
             if node.len() > 1 {
-                split(node, corners, &mut self.order, &mut self.scratch, &mut self.next);
+                split(node, &mut self.items, &mut self.next);
             } else {
                 self.next.push(*node);
             }
         }
-        self.nodes = std::mem::replace(&mut self.next, nodes);
+        std::mem::swap(&mut self.nodes, &mut self.next);
         true
     }
 
     /// Splits the fullest cells first, each once, until `wanted` cells exist. Returns whether any was split.
-    fn split_fullest(&mut self, corners: &[Corner], wanted: usize) -> bool {
+    fn split_fullest(&mut self, wanted: usize) -> bool {
         self.splittable.clear();
-        let sizes = self.nodes.iter().enumerate().filter(|(_, n)| n.len() > 1);
-        self.splittable.extend(sizes.map(|(i, n)| (u32::MAX - n.len(), i as u32)));
+        let full = self.nodes.iter().enumerate().filter(|(_, n)| n.len() > 1);
+        self.splittable.extend(full.map(|(i, n)| u64::from(u32::MAX - n.len()) << 32 | i as u64));
         self.splittable.sort_unstable();
-        for &(_, i) in &self.splittable {
-            let node = self.nodes[i as usize];
+        for &key in &self.splittable {
+            let i = key as u32 as usize;
             self.next.clear();
-            split(&node, corners, &mut self.order, &mut self.scratch, &mut self.next);
-            self.nodes[i as usize] = self.next[0];
+            split(&self.nodes[i], &mut self.items, &mut self.next);
+            self.nodes[i] = self.next[0];
             self.nodes.extend_from_slice(&self.next[1..]);
             if self.nodes.len() >= wanted {
                 break;
@@ -128,16 +146,29 @@ impl Quadtree {
         }
         !self.splittable.is_empty()
     }
+
+    /// Leaves in `items` the strongest corner of each cell, at most `wanted`: a split adds up to three cells at once.
+    fn keep_strongest(&mut self, wanted: usize) {
+        let Self { items, nodes, strongest, .. } = self;
+        strongest.clear();
+        let members = |node: &Node| &items[node.start as usize..node.end as usize];
+        strongest.extend(nodes.iter().filter_map(|node| members(node).iter().max().copied()));
+        if strongest.len() > wanted {
+            strongest.sort_unstable_by_key(|&item| std::cmp::Reverse(item));
+            strongest.truncate(wanted);
+        }
+        std::mem::swap(items, strongest);
+    }
 }
 
 /// Appends the non-empty quarters of `node`.
-fn split(node: &Node, corners: &[Corner], order: &mut [u32], scratch: &mut [u32], out: &mut Vec<Node>) {
+fn split(node: &Node, items: &mut [Item], out: &mut Vec<Node>) {
     let middle_x = node.x0 + (node.x1 - node.x0).div_ceil(2);
     let middle_y = node.y0 + (node.y1 - node.y0).div_ceil(2);
-    let range = &mut order[node.start as usize..node.end as usize];
-    let n_top = partition(range, scratch, |c| corners[c as usize].y < middle_y);
-    let n_top_left = partition(&mut range[..n_top], scratch, |c| corners[c as usize].x < middle_x);
-    let n_low_left = partition(&mut range[n_top..], scratch, |c| corners[c as usize].x < middle_x);
+    let members = &mut items[node.start as usize..node.end as usize];
+    let n_top = partition(members, |item| item.y() < middle_y);
+    let n_top_left = partition(&mut members[..n_top], |item| item.x() < middle_x);
+    let n_low_left = partition(&mut members[n_top..], |item| item.x() < middle_x);
     let at = |n: usize| node.start + n as u32;
     let quarters = [
         (node.x0, node.y0, middle_x, middle_y, node.start, at(n_top_left)),
@@ -152,29 +183,85 @@ fn split(node: &Node, corners: &[Corner], order: &mut [u32], scratch: &mut [u32]
     }
 }
 
-/// Stable partition without branches: those that fulfil `first` come first; returns their number.
-fn partition(items: &mut [u32], scratch: &mut [u32], first: impl Fn(u32) -> bool) -> usize {
+/// Moves those that fulfil `first` to the front, without branches; returns their number.
+fn partition(items: &mut [Item], first: impl Fn(Item) -> bool) -> usize {
     let mut n_first = 0;
-    let mut n_rest = 0;
     for i in 0..items.len() {
-        let item = items[i];
-        let is_first = first(item);
-        items[n_first] = item;
-        scratch[n_rest] = item;
-        n_first += usize::from(is_first);
-        n_rest += usize::from(!is_first);
+        items.swap(i, n_first);
+        n_first += usize::from(first(items[n_first]));
     }
-    items[n_first..].copy_from_slice(&scratch[..n_rest]);
     n_first
 }
 
-fn strongest(corners: &[Corner], order: &[u32], node: &Node) -> u32 {
-    let members = &order[node.start as usize..node.end as usize];
-    let mut best = members[0];
-    for &member in &members[1..] {
-        if corners[member as usize].score > corners[best as usize].score {
-            best = member;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const BOUNDS: [u16; 4] = [16, 16, 316, 116];
+
+    fn distribute(corners: &[Corner], wanted: usize) -> Vec<Corner> {
+        let mut kept = Vec::new();
+        Quadtree::default().distribute(corners, BOUNDS, wanted, &mut kept);
+        kept
+    }
+
+    fn corner(x: u16, y: u16, score: u8) -> Corner {
+        Corner { x, y, score }
+    }
+
+    #[test]
+    fn the_strongest_of_a_cell_stays_and_of_equals_the_first() {
+        // Three roots of 100 x 100 pixels, nothing to split when three are wanted.
+        let corners = [
+            corner(20, 20, 9),
+            corner(30, 20, 12),
+            corner(40, 90, 12),
+            corner(150, 50, 3),
+            corner(300, 20, 4),
+        ];
+        assert_eq!(distribute(&corners, 3), [corner(30, 20, 12), corner(300, 20, 4), corner(150, 50, 3)]);
+        let swapped = [corners[2], corners[1], corners[0], corners[3], corners[4]];
+        assert_eq!(distribute(&swapped, 3)[2], corner(40, 90, 12));
+    }
+
+    #[test]
+    fn the_fullest_cell_is_split_first_and_of_equals_the_first() {
+        let left = [corner(20, 20, 5), corner(110, 110, 6)];
+        let middle = [corner(120, 20, 5), corner(210, 110, 6)];
+        let right = [corner(230, 20, 5), corner(310, 20, 6), corner(310, 110, 7)];
+        let all: Vec<Corner> = left.into_iter().chain(middle).chain(right).collect();
+        // Room for two more cells: the three of the right third.
+        let kept = distribute(&all, 5);
+        assert!(right.iter().all(|c| kept.contains(c)));
+        // One more cell: of the left and the middle third, equally full, the left one is split.
+        let kept = distribute(&all, 6);
+        assert!(left.iter().chain(&right).all(|c| kept.contains(c)));
+        assert_eq!(kept.len(), 6);
+    }
+
+    #[test]
+    fn a_cluster_does_not_take_the_places_of_lone_corners() {
+        let mut corners: Vec<Corner> = (0..400).map(|i| corner(20 + i % 20, 20 + i / 20, 200)).collect();
+        let lone: Vec<Corner> = (0..6).map(|i| corner(40 + 50 * i, 100, 8)).collect();
+        corners.extend(&lone);
+        let kept = distribute(&corners, 40);
+        assert_eq!(kept.len(), 40);
+        assert!(lone.iter().all(|c| kept.contains(c)));
+    }
+
+    proptest! {
+        #[test]
+        fn keeps_as_many_as_wanted_and_each_once(
+            places in proptest::collection::btree_set((16u16..316, 16u16..116), 0..300),
+            wanted in 0usize..200,
+        ) {
+            let corners: Vec<Corner> =
+                places.iter().map(|&(x, y)| corner(x, y, ((x * 7 + y * 13) % 50) as u8 + 7)).collect();
+            let kept = distribute(&corners, wanted);
+            prop_assert_eq!(kept.len(), wanted.min(corners.len()));
+            prop_assert!(kept.iter().all(|c| corners.contains(c)));
+            prop_assert!(kept.windows(2).all(|w| (w[0].y, w[0].x) < (w[1].y, w[1].x)));
         }
     }
-    best
 }

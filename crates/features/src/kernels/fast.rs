@@ -104,3 +104,16 @@ pub(crate) fn local_maxima(
         }
     }
 }
+
+/// The scores around `(x, middle row)` of nine successive rows, whatever their threshold.
+pub(crate) fn score_square(simd: Simd, rows: &[&[u8]; 9], x: usize) -> [[u8; 3]; 3] {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(token) = simd.avx2() {
+        return avx2::fast::score_square(token, rows, x);
+    }
+    let _ = simd;
+    std::array::from_fn(|j| {
+        let rows = std::array::from_fn(|i| rows[j + i]);
+        [x - 1, x, x + 1].map(|x| score_at(&rows, x))
+    })
+}

@@ -27,13 +27,57 @@ pub(crate) struct Block {
     pub(crate) weights: [i16; 16],
 }
 
+/// A row of the result in steps of eight pixels, an even number of steps.
+#[derive(Debug, Default)]
+pub(crate) struct Blocks {
+    list: Vec<Block>,
+    reach: usize,
+}
+
+impl Blocks {
+    /// The steps for these columns; none when eight pixels of the result need more than 16 of the source.
+    fn new(columns: &[Tap]) -> Self {
+        let mut list = Vec::with_capacity(columns.len().div_ceil(16) * 2);
+        for eight in columns.chunks(8) {
+            let base = eight[0].first;
+            let mut block = Block { base, shuffle: [0; 16], weights: [0; 16] };
+            for (i, tap) in eight.iter().enumerate() {
+                let place = (tap.first - base) as usize;
+                if place > 14 {
+                    return Self::default();
+                }
+                block.shuffle[2 * i] = place as u8;
+                block.shuffle[2 * i + 1] = place as u8 + 1;
+                block.weights[2 * i] = ONE_X as i16 - tap.weight;
+                block.weights[2 * i + 1] = tap.weight;
+            }
+            list.push(block);
+        }
+        if list.len() % 2 == 1 {
+            list.push(Block { base: 0, shuffle: [0; 16], weights: [0; 16] });
+        }
+        let reach = list.iter().map(|b| b.base as usize + 16).max().unwrap_or(0);
+        Self { list, reach }
+    }
+
+    /// The steps.
+    pub(crate) fn list(&self) -> &[Block] {
+        &self.list
+    }
+
+    /// Bytes of the source that are read: the largest `base` plus 16.
+    pub(crate) fn reach(&self) -> usize {
+        self.reach
+    }
+}
+
 /// Precomputed sampling of one reduction and its row buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Resizer {
     source: (usize, usize),
     target: (usize, usize),
     columns: Vec<Tap>,
-    blocks: Vec<Block>,
+    blocks: Blocks,
     rows: Vec<Tap>,
     lines: [Vec<i16>; 2],
 }
@@ -52,7 +96,7 @@ impl Resizer {
             self.source = (source.width(), source.height());
             self.target = (width, height);
             self.columns = taps(source.width(), width, f64::from(ONE_X));
-            self.blocks = blocks(&self.columns);
+            self.blocks = Blocks::new(&self.columns);
             self.rows = taps(source.height(), height, ONE_Y);
             self.lines = std::array::from_fn(|_| vec![0; width + SLACK]);
         }
@@ -89,34 +133,10 @@ fn taps(from: usize, to: usize, one: f64) -> Vec<Tap> {
     (0..to).map(tap).collect()
 }
 
-/// Sixteen-pixel steps of [`taps`] for the vector form; empty when eight pixels of the result need more than 16 of the source.
-fn blocks(columns: &[Tap]) -> Vec<Block> {
-    let mut blocks = Vec::with_capacity(columns.len().div_ceil(16) * 2);
-    for eight in columns.chunks(8) {
-        let base = eight[0].first;
-        let mut block = Block { base, shuffle: [0; 16], weights: [0; 16] };
-        for (i, tap) in eight.iter().enumerate() {
-            let place = (tap.first - base) as usize;
-            if place > 14 {
-                return Vec::new();
-            }
-            block.shuffle[2 * i] = place as u8;
-            block.shuffle[2 * i + 1] = place as u8 + 1;
-            block.weights[2 * i] = ONE_X as i16 - tap.weight;
-            block.weights[2 * i + 1] = tap.weight;
-        }
-        blocks.push(block);
-    }
-    if blocks.len() % 2 == 1 {
-        blocks.push(Block { base: 0, shuffle: [0; 16], weights: [0; 16] });
-    }
-    blocks
-}
-
 /// One source row at the columns of the result, in units of 1/128.
-fn resize_row(simd: Simd, source: &[u8], columns: &[Tap], blocks: &[Block], line: &mut [i16]) {
+fn resize_row(simd: Simd, source: &[u8], columns: &[Tap], blocks: &Blocks, line: &mut [i16]) {
     #[cfg(target_arch = "x86_64")]
-    if let (Some(token), false) = (simd.avx2(), blocks.is_empty()) {
+    if let (Some(token), false) = (simd.avx2(), blocks.list.is_empty()) {
         return avx2::resize::resize_row(token, source, blocks, line);
     }
     let _ = (simd, blocks);

@@ -64,6 +64,14 @@ proptest! {
     }
 
     #[test]
+    fn scores_of_a_square_are_equal(contrast: u8, seed: u64, x in 4usize..40) {
+        let source = textured(45, 9, contrast, seed);
+        let square = |simd| fast::score_square(simd, &std::array::from_fn(|i| source.row(i)), x);
+        prop_assert_eq!(square(Simd::scalar()), square(Simd::detect()));
+        prop_assert_eq!(square(Simd::detect())[1][1], fast::score_at(&rows_around(&source, 4), x));
+    }
+
+    #[test]
     fn moments_are_equal(contrast: u8, x in 15usize..45, y in 15usize..35, seed: u64) {
         let source = textured(61, 51, contrast, seed);
         let sum = |simd| moments::moments(simd, source.data(), source.stride(), y * source.stride() + x);

@@ -5,7 +5,8 @@ use crate::kernels::Avx2;
 use crate::kernels::blur::{ROUND, WEIGHTS};
 use std::arch::x86_64::*;
 
-const W: [i32; 7] = [WEIGHTS[0], WEIGHTS[1], WEIGHTS[2], WEIGHTS[3], WEIGHTS[2], WEIGHTS[1], WEIGHTS[0]];
+/// All weights, and a zero so that they make four pairs.
+const W: [i32; 8] = [WEIGHTS[0], WEIGHTS[1], WEIGHTS[2], WEIGHTS[3], WEIGHTS[2], WEIGHTS[1], WEIGHTS[0], 0];
 
 /// See `kernels::blur::blur_down`.
 pub(crate) fn blur_down(_: Avx2, rows: &[&[u8]; 7], width: usize, line: &mut [i16]) {
@@ -16,10 +17,10 @@ pub(crate) fn blur_down(_: Avx2, rows: &[&[u8]; 7], width: usize, line: &mut [i1
 
 #[target_feature(enable = "avx2")]
 unsafe fn sum_down(rows: [*const u8; 7], width: usize, line: *mut i16) {
-    let weights: [__m256i; 4] = std::array::from_fn(|i| {
-        let second = if i < 3 { W[2 * i + 1] } else { 0 };
-        _mm256_set1_epi16((W[2 * i] | second << 8) as i16)
-    });
+    let mut weights = [_mm256_setzero_si256(); 4];
+    for (i, weight) in weights.iter_mut().enumerate() {
+        *weight = _mm256_set1_epi16((W[2 * i] | W[2 * i + 1] << 8) as i16);
+    }
     let offset = _mm256_set1_epi16(i16::MIN);
     for x in (0..width).step_by(32) {
         // SAFETY: see `blur_down`.
@@ -47,10 +48,10 @@ pub(crate) fn blur_across(_: Avx2, line: &[i16], width: usize, row: &mut [u8]) {
 
 #[target_feature(enable = "avx2")]
 unsafe fn sum_across(line: *const i16, width: usize, row: *mut u8) {
-    let weights: [__m256i; 4] = std::array::from_fn(|i| {
-        let second = if i < 3 { W[2 * i + 1] } else { 0 };
-        _mm256_set1_epi32(W[2 * i] | second << 16)
-    });
+    let mut weights = [_mm256_setzero_si256(); 4];
+    for (i, weight) in weights.iter_mut().enumerate() {
+        *weight = _mm256_set1_epi32(W[2 * i] | W[2 * i + 1] << 16);
+    }
     let round = _mm256_set1_epi32(ROUND);
     for x in (0..width).step_by(32) {
         // Sums of every second pixel, the first one at `start`.

@@ -1,5 +1,6 @@
 //! Descriptor: eight comparisons at a time, the pixels fetched by gathers.
 
+use super::store;
 use crate::descriptor::Descriptor;
 use crate::kernels::Avx2;
 use crate::kernels::brief::REACH;
@@ -34,8 +35,7 @@ pub(crate) fn describe(_: Avx2, data: &[u8], stride: usize, offset: usize, cos: 
 #[target_feature(enable = "avx2")]
 unsafe fn compare(centre: *const u8, stride: i32, cos: f32, sin: f32) -> Descriptor {
     let (cos, sin, stride) = (_mm256_set1_ps(cos), _mm256_set1_ps(sin), _mm256_set1_epi32(stride));
-    let low_byte = _mm256_set1_epi32(0xff);
-    let value = |k: usize, i: usize| {
+    let places = |k: usize, i: usize| {
         // SAFETY: `i + 8 <= 256`.
         let (x, y) = unsafe {
             (
@@ -46,16 +46,23 @@ unsafe fn compare(centre: *const u8, stride: i32, cos: f32, sin: f32) -> Descrip
         let turned_x = _mm256_sub_ps(_mm256_mul_ps(x, cos), _mm256_mul_ps(y, sin));
         let turned_y = _mm256_add_ps(_mm256_mul_ps(x, sin), _mm256_mul_ps(y, cos));
         let row = _mm256_mullo_epi32(_mm256_cvtps_epi32(turned_y), stride);
-        let place = _mm256_add_epi32(row, _mm256_cvtps_epi32(turned_x));
-        // SAFETY: see `describe`.
-        let bytes = unsafe { _mm256_i32gather_epi32::<1>(centre.cast(), place) };
-        _mm256_and_si256(bytes, low_byte)
+        _mm256_add_epi32(row, _mm256_cvtps_epi32(turned_x))
     };
     let mut words = [0; 4];
-    for i in 0..32 {
-        let less = _mm256_cmpgt_epi32(value(2, 8 * i), value(0, 8 * i));
-        let bits = _mm256_movemask_ps(_mm256_castsi256_ps(less)) as u8;
-        words[i / 8] |= u64::from(bits) << (8 * (i % 8));
+    for (n, word) in words.iter_mut().enumerate() {
+        let (mut first, mut second) = ([0i32; 64], [0i32; 64]);
+        for i in (0..64).step_by(8) {
+            // SAFETY: `i + 8 <= 64`.
+            unsafe {
+                store(first.as_mut_ptr().add(i), places(0, 64 * n + i));
+                store(second.as_mut_ptr().add(i), places(2, 64 * n + i));
+            }
+        }
+        for i in 0..64 {
+            // SAFETY: see `describe`.
+            let (a, b) = unsafe { (*centre.offset(first[i] as isize), *centre.offset(second[i] as isize)) };
+            *word |= u64::from(a < b) << i;
+        }
     }
     Descriptor(words)
 }

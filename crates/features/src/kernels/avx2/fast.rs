@@ -51,7 +51,8 @@ unsafe fn find_candidates(rows: &[*const u8; 7], x: usize, centre: __m256i, limi
     let mut dark = bright;
     for start in [0, 2] {
         // SAFETY: the caller's.
-        let [a, b, c, d] = [0, 8, 4, 12].map(|i| unsafe { load(ring_place(rows, x, start + i)) });
+        let ring = |i: usize| unsafe { load(ring_place(rows, x, start + i)) };
+        let (a, b, c, d) = (ring(0), ring(8), ring(4), ring(12));
         let above = |p: __m256i| _mm256_subs_epu8(p, high);
         let below = |p: __m256i| _mm256_subs_epu8(low, p);
         bright = _mm256_min_epu8(bright, _mm256_max_epu8(above(a), above(b)));
@@ -80,38 +81,52 @@ unsafe fn score_block(
     bright: bool,
     dark: bool,
 ) -> __m256i {
+    let mut ring = [centre; 16];
+    // Plain loops: a closure handed to a library function would lose the vector instructions.
+    for (i, value) in ring.iter_mut().enumerate() {
+        // SAFETY: the caller's.
+        *value = unsafe { load(ring_place(rows, x, i)) };
+    }
     let mut best = _mm256_setzero_si256();
     if bright {
-        // SAFETY: the caller's.
-        let difference = |i: usize| unsafe { _mm256_subs_epu8(load(ring_place(rows, x, i)), centre) };
-        best = best_arc(difference);
+        best = _mm256_subs_epu8(brightest_arc(&ring), centre);
     }
     if dark {
-        // SAFETY: the caller's.
-        let difference = |i: usize| unsafe { _mm256_subs_epu8(centre, load(ring_place(rows, x, i))) };
-        best = _mm256_max_epu8(best, best_arc(difference));
+        best = _mm256_max_epu8(best, _mm256_subs_epu8(centre, darkest_arc(&ring)));
     }
     let too_low = _mm256_cmpeq_epi8(_mm256_subs_epu8(best, limit), _mm256_setzero_si256());
     _mm256_andnot_si256(too_low, _mm256_subs_epu8(best, _mm256_set1_epi8(1)))
 }
 
-/// The largest over all arcs of nine of the least difference in the arc. Two arcs share eight ring pixels, so that only
-/// every second run of eight is needed: the better arc has the better of the two pixels at its ends.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn best_arc(difference: impl Fn(usize) -> __m256i) -> __m256i {
-    let differences: [__m256i; 16] = std::array::from_fn(difference);
-    let pairs: [__m256i; 8] =
-        std::array::from_fn(|i| _mm256_min_epu8(differences[2 * i], differences[2 * i + 1]));
-    let fours: [__m256i; 8] = std::array::from_fn(|i| _mm256_min_epu8(pairs[i], pairs[(i + 1) % 8]));
-    let mut best = _mm256_setzero_si256();
-    for i in 0..8 {
-        let eight = _mm256_min_epu8(fours[i], fours[(i + 2) % 8]);
-        let ends = _mm256_max_epu8(differences[(2 * i + 8) % 16], differences[(2 * i + 15) % 16]);
-        best = _mm256_max_epu8(best, _mm256_min_epu8(eight, ends));
-    }
-    best
+/// Defines the best over all arcs of nine of the worst value in the arc. Two arcs share eight ring pixels, so that only every
+/// second run of eight is needed: the better arc has the better of the two pixels at its ends.
+macro_rules! best_arc {
+    ($name:ident, $worse:ident, $better:ident) => {
+        #[inline]
+        #[target_feature(enable = "avx2")]
+        fn $name(ring: &[__m256i; 16]) -> __m256i {
+            let mut pairs = [ring[0]; 8];
+            for i in 0..8 {
+                pairs[i] = $worse(ring[2 * i], ring[2 * i + 1]);
+            }
+            let mut fours = pairs;
+            for i in 0..8 {
+                fours[i] = $worse(pairs[i], pairs[(i + 1) % 8]);
+            }
+            let arcs = |i: usize| {
+                let eight = $worse(fours[i], fours[(i + 2) % 8]);
+                $worse(eight, $better(ring[(2 * i + 8) % 16], ring[(2 * i + 15) % 16]))
+            };
+            let mut best = arcs(0);
+            for i in 1..8 {
+                best = $better(best, arcs(i));
+            }
+            best
+        }
+    };
 }
+best_arc!(brightest_arc, _mm256_min_epu8, _mm256_max_epu8);
+best_arc!(darkest_arc, _mm256_max_epu8, _mm256_min_epu8);
 
 #[inline(always)]
 fn ring_place(rows: &[*const u8; 7], x: usize, i: usize) -> *const u8 {
@@ -159,4 +174,38 @@ unsafe fn find_maxima(rows: [&[u8]; 3], first: usize, end: usize, mut found: imp
             maxima &= maxima - 1;
         }
     }
+}
+
+/// See `kernels::fast::score_square`.
+pub(crate) fn score_square(_: Avx2, rows: &[&[u8]; 9], x: usize) -> [[u8; 3]; 3] {
+    assert!(x > RADIUS && rows.iter().all(|r| r.len() >= x + RADIUS + 3));
+    // SAFETY: four bytes from `x - 1 + dx`, `dx` at most 3, are inside of each row.
+    let scores = unsafe { score_nine(rows, x - 1) };
+    [0, 1, 2].map(|j| [scores[4 * j], scores[4 * j + 1], scores[4 * j + 2]])
+}
+
+/// The scores of three times four pixels from `x` on, in the first twelve bytes.
+///
+/// The lower half of the vectors finds the bright arcs, the upper half the dark ones on the negative.
+#[target_feature(enable = "avx2")]
+unsafe fn score_nine(rows: &[&[u8]; 9], x: usize) -> [u8; 16] {
+    let negative = _mm256_set_m128i(_mm_set1_epi8(-1), _mm_setzero_si128());
+    let at = |dx: usize, dy: usize| {
+        // SAFETY: see `score_square`.
+        let four =
+            |j: usize| unsafe { rows[dy + j].as_ptr().add(x + dx - RADIUS).cast::<i32>().read_unaligned() };
+        let twelve = _mm_insert_epi32(_mm_insert_epi32(_mm_cvtsi32_si128(four(0)), four(1), 1), four(2), 2);
+        _mm256_xor_si256(_mm256_broadcastsi128_si256(twelve), negative)
+    };
+    let centre = at(RADIUS, RADIUS);
+    let mut ring = [centre; 16];
+    for (value, (dx, dy)) in ring.iter_mut().zip(RING) {
+        *value = at(dx, dy);
+    }
+    let both = _mm256_subs_epu8(brightest_arc(&ring), centre);
+    let best = _mm_max_epu8(_mm256_castsi256_si128(both), _mm256_extracti128_si256(both, 1));
+    let mut scores = [0; 16];
+    // SAFETY: the array has the size of the vector.
+    unsafe { _mm_storeu_si128(scores.as_mut_ptr().cast(), _mm_subs_epu8(best, _mm_set1_epi8(1))) };
+    scores
 }

@@ -38,8 +38,9 @@ unsafe fn sum(first: *const u8, stride: usize) -> (i32, i32) {
     let mut sums = [_mm256_setzero_si256(); 2];
     for (row, factors) in FACTORS.iter().enumerate() {
         // SAFETY: see `moments`; the factors have 32 bytes.
-        let (pixels, factors) =
-            unsafe { (load(first.add(row * stride)), factors.each_ref().map(|f| load(f.as_ptr()))) };
+        let (pixels, factors) = unsafe {
+            (load(first.add(row * stride)), [load(factors[0].as_ptr()), load(factors[1].as_ptr())])
+        };
         for (sum, factor) in sums.iter_mut().zip(factors) {
             *sum = _mm256_add_epi32(*sum, _mm256_madd_epi16(_mm256_maddubs_epi16(pixels, factor), ones));
         }

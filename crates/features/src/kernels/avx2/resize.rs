@@ -2,14 +2,14 @@
 
 use super::{load, store};
 use crate::kernels::Avx2;
-use crate::kernels::resize::Block;
+use crate::kernels::resize::{Block, Blocks};
 use std::arch::x86_64::*;
 
 /// See `kernels::resize::resize_row`.
-pub(crate) fn resize_row(_: Avx2, source: &[u8], blocks: &[Block], line: &mut [i16]) {
-    assert!(line.len() >= blocks.len() * 8 && blocks.iter().all(|b| source.len() >= b.base as usize + 16));
+pub(crate) fn resize_row(_: Avx2, source: &[u8], blocks: &Blocks, line: &mut [i16]) {
+    assert!(line.len() >= blocks.list().len() * 8 && source.len() >= blocks.reach());
     // SAFETY: each block reads 16 bytes at its base and writes eight values at eight times its index.
-    unsafe { resize_blocks(source.as_ptr(), blocks, line.as_mut_ptr()) }
+    unsafe { resize_blocks(source.as_ptr(), blocks.list(), line.as_mut_ptr()) }
 }
 
 #[target_feature(enable = "avx2")]
