@@ -6,6 +6,7 @@
 pub mod alignment;
 pub mod association;
 pub mod ate;
+pub mod baseline;
 pub mod command;
 pub mod coverage;
 pub mod drift;
@@ -17,6 +18,7 @@ pub mod read;
 pub mod rpe;
 pub mod scale_drift;
 pub mod statistics;
+pub mod suite;
 
 pub use alignment::{Alignment, apply_alignment, estimate_alignment, positions};
 pub use association::{Association, Pairs, TIMESTAMP_TOLERANCE_S, associate};
