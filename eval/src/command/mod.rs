@@ -1,6 +1,8 @@
 //! `dsslam eval`: the command line of this package, included by the `dsslam` program.
 #![allow(clippy::print_stdout, reason = "this module is the program's output; the rest of the package prints nothing")]
 
+mod loops;
+mod suite;
 mod traj;
 
 use anyhow::Result;
@@ -18,6 +20,16 @@ enum Action {
     /// Compares one estimated trajectory with its ground truth: ATE, t_rel, r_rel, RPE, scale drift, coverage.
     #[command(after_help = traj::EXAMPLES)]
     Traj(traj::TrajArgs),
+    /// Runs a suite: sequences x configurations x repeats, resumable.
+    #[command(after_help = suite::RUN_HELP)]
+    Run(suite::RunArgs),
+    /// Prints and writes the tables of a suite's results, published baselines beside them.
+    Table(suite::TableArgs),
+    /// Draws a suite's results (PNG, SVG) and writes a report that stands alone in one HTML file.
+    Plot(suite::PlotArgs),
+    /// Scores detected loops: precision, recall, precision-recall curve.
+    #[command(after_help = loops::HELP)]
+    Loops(loops::LoopsArgs),
 }
 
 impl EvalCommand {
@@ -28,6 +40,10 @@ impl EvalCommand {
     pub fn run(self) -> Result<()> {
         match self.action {
             Action::Traj(args) => traj::run(&args),
+            Action::Run(args) => suite::run(&args),
+            Action::Table(args) => suite::table(&args),
+            Action::Plot(args) => suite::plot(&args),
+            Action::Loops(args) => loops::run(&args),
         }
     }
 }

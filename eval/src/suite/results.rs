@@ -6,7 +6,9 @@ use anyhow::{Context, Result};
 
 use super::plan::{Plan, RunId};
 use super::record::{RunRecord, RunState, RunSummary, read_json};
+use crate::detections::read_detections;
 use crate::evaluation::Evaluation;
+use crate::precision_recall::{PrecisionRecallCurve, precision_recall};
 
 /// Everything known of a suite's runs.
 #[derive(Clone, Debug)]
@@ -38,6 +40,19 @@ impl RunResult {
     /// Whether it ended with a result.
     pub fn is_done(&self) -> bool {
         self.record.as_ref().is_some_and(|r| r.state == RunState::Done)
+    }
+
+    /// Curve of the run's place recognition, if its folder holds a `detections.csv`.
+    ///
+    /// # Errors
+    /// The file cannot be parsed.
+    pub fn precision_recall(&self) -> Result<Option<PrecisionRecallCurve>> {
+        let path = self.folder.join("detections.csv");
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let (detections, n_events) = read_detections(&path)?;
+        precision_recall(&detections, n_events).map(Some).with_context(|| format!("{}", path.display()))
     }
 
     /// Why there is no result, or none to compare; `None` when all is well.

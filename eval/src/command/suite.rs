@@ -1,0 +1,178 @@
+//! `dsslam eval run`, `table`, `plot`: a suite from its file to its report.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+
+use crate::baseline::{Baseline, Metric, read_baselines};
+use crate::figures::result_figures;
+use crate::plot;
+use crate::report::html_report;
+use crate::suite::{Event, Results, RunOptions, RunRecord, RunState, job_lines, read_plan, run_suite};
+use crate::table::{Table, metric_table, runs_csv, runs_table};
+
+pub(super) const RUN_HELP: &str = "\
+A suite is a YAML file:
+  name: kitti
+  dataset: kitti                      # published results to stand beside (kitti, euroc, tum-rgbd)
+  sequences:
+    - {name: \"00\", path: \"${DSSLAM_DATA}/kitti/sequences/00\"}   # ground_truth: FILE, max_frames: N
+  configurations:
+    - {name: orb, config: ../../configs/kitti.yaml, set: [features.keep=1000]}   # sensor: stereo|rgbd|mono
+  repeats: 1                          # timeout_s: 3600, lengths_m: [100, 200]
+Relative paths start at the file's folder. Each run has its folder RESULTS/<sequence>/<configuration>/<repeat>; started
+again, the suite goes on where it was.
+
+On several machines that share a folder:
+  dsslam eval run suite.yaml --out RESULTS --jobs-file jobs.txt
+  parallel --jobs 4 < jobs.txt
+  sbatch --array=1-$(wc -l < jobs.txt) --wrap 'sh -c \"$(sed -n ${SLURM_ARRAY_TASK_ID}p jobs.txt)\"'
+  dsslam eval table RESULTS";
+
+/// Arguments of `dsslam eval run`.
+#[derive(Debug, Args)]
+pub(super) struct RunArgs {
+    /// The suite.
+    #[arg(value_name = "SUITE.yaml")]
+    suite: PathBuf,
+    /// Results folder; by default results/<name of the suite>.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs at the same time.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: u16,
+    /// The dsslam program; by default this one.
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// Runs again what failed before.
+    #[arg(long)]
+    retry_failed: bool,
+    /// Only the runs whose name begins with this: SEQUENCE, SEQUENCE/CONFIGURATION or SEQUENCE/CONFIGURATION/REPEAT.
+    #[arg(long, value_name = "RUN")]
+    only: Option<String>,
+    /// Runs nothing, but writes one shell command per run into this file.
+    #[arg(long, value_name = "FILE")]
+    jobs_file: Option<PathBuf>,
+}
+
+/// Arguments of `dsslam eval table`.
+#[derive(Debug, Args)]
+pub(super) struct TableArgs {
+    /// Results folder of `dsslam eval run`.
+    #[arg(value_name = "RESULTS")]
+    results: PathBuf,
+    /// Where the tables are written; by default RESULTS/tables.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// More baselines: a folder with YAML files.
+    #[arg(long, value_name = "DIR")]
+    baselines: Option<PathBuf>,
+}
+
+/// Arguments of `dsslam eval plot`.
+#[derive(Debug, Args)]
+pub(super) struct PlotArgs {
+    /// Results folder of `dsslam eval run`.
+    #[arg(value_name = "RESULTS")]
+    results: PathBuf,
+    /// Where the plots are written; by default RESULTS/plots.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// More baselines: a folder with YAML files.
+    #[arg(long, value_name = "DIR")]
+    baselines: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &RunArgs) -> Result<()> {
+    let plan = read_plan(&args.suite)?;
+    let program = match &args.program {
+        Some(program) => program.clone(),
+        None => std::env::current_exe().context("the path of this program is unknown: give --program")?,
+    };
+    let results = args.out.clone().unwrap_or_else(|| Path::new("results").join(&plan.name));
+    let options = RunOptions {
+        program,
+        results: std::path::absolute(results)?,
+        jobs: usize::from(args.jobs),
+        retry_failed: args.retry_failed,
+        only: args.only.clone(),
+    };
+    if let Some(file) = &args.jobs_file {
+        let lines = job_lines(&plan, &std::path::absolute(&args.suite)?, &options)?;
+        write(file, &(lines.join("\n") + "\n"))?;
+        println!("{} commands in {}", lines.len(), file.display());
+        return Ok(());
+    }
+    let records = run_suite(&plan, &options, &print_event)?;
+    let n_failed = records.iter().filter(|r| r.state != RunState::Done).count();
+    println!("{} of {} runs have a result in {}", records.len() - n_failed, records.len(), options.results.display());
+    if n_failed > 0 {
+        bail!("{n_failed} of {} runs failed; each folder has its log.txt, --retry-failed runs them again", records.len());
+    }
+    Ok(())
+}
+
+fn print_event(event: Event<'_>) {
+    match event {
+        Event::Skipped(record) => println!("{}: {} before", record.id, ending(record)),
+        Event::Started(id) => println!("{id}: started"),
+        Event::Ended(record) => println!("{}: {} in {:.1} s", record.id, ending(record), record.wall_s),
+    }
+}
+
+fn ending(record: &RunRecord) -> String {
+    match (&record.state, &record.evaluation_problem) {
+        (RunState::Failed { reason }, _) => format!("failed ({reason})"),
+        (RunState::Done, Some(problem)) => format!("done, but cannot be evaluated ({problem}),"),
+        (RunState::Done, None) => "done".to_owned(),
+    }
+}
+
+pub(super) fn table(args: &TableArgs) -> Result<()> {
+    let (results, baselines) = read(&args.results, args.baselines.as_deref())?;
+    let folder = args.out.clone().unwrap_or_else(|| args.results.join("tables"));
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let metrics = [Metric::TRelPercent, Metric::RRelDegPer100m, Metric::AteRmseM, Metric::Auc];
+    let mut tables: Vec<(&str, Table)> = metrics
+        .into_iter()
+        .filter_map(|metric| Some((metric.file_name(), metric_table(&results, &baselines, metric)?)))
+        .collect();
+    tables.push(("runs", runs_table(&results)));
+    let mut markdown = String::new();
+    for (name, table) in &tables {
+        println!("{}", table.to_terminal());
+        markdown += &format!("{}\n", table.to_markdown());
+        write(&folder.join(format!("{name}.csv")), &table.to_csv())?;
+        write(&folder.join(format!("{name}.tex")), &table.to_latex())?;
+        write(&folder.join(format!("{name}.txt")), &table.to_terminal())?;
+    }
+    write(&folder.join("tables.md"), &markdown)?;
+    write(&folder.join("all_runs.csv"), &runs_csv(&results))?;
+    println!("written: {}", folder.display());
+    Ok(())
+}
+
+pub(super) fn plot(args: &PlotArgs) -> Result<()> {
+    let (results, baselines) = read(&args.results, args.baselines.as_deref())?;
+    let folder = args.out.clone().unwrap_or_else(|| args.results.join("plots"));
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let (figures, problems) = result_figures(&results, &baselines);
+    for figure in &figures {
+        plot::save(&folder, &figure.name, &figure.figure)?;
+        println!("{}.png, .svg: {}", figure.name, figure.caption);
+    }
+    problems.iter().for_each(|problem| println!("not drawn: {problem}"));
+    let report = folder.join("report.html");
+    write(&report, &html_report(&results, &baselines, &figures, &problems)?)?;
+    println!("written: {} and {} figures beside it", report.display(), figures.len());
+    Ok(())
+}
+
+fn read(results: &Path, extra: Option<&Path>) -> Result<(Results, Vec<Baseline>)> {
+    Ok((Results::read(results)?, read_baselines(extra)?))
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}

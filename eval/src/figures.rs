@@ -1,0 +1,212 @@
+//! The figures of a suite's results, with their file names and captions.
+
+use anyhow::Result;
+use plotters::prelude::DrawingBackend;
+
+use crate::baseline::{Baseline, Metric};
+use crate::drift::DriftBin;
+use crate::plot::{
+    BarFigure, Canvas, DriftAxis, DriftFigure, ErrorFigure, Figure, PrecisionRecallFigure, TrajectoryFigure, View,
+};
+use crate::suite::{Results, RunResult, run_paths};
+use crate::table::metric_table;
+
+/// A figure of any kind.
+#[derive(Clone, Debug)]
+pub enum AnyFigure {
+    /// Trajectory over ground truth.
+    Trajectory(TrajectoryFigure),
+    /// Error along the path.
+    Error(ErrorFigure),
+    /// Drift by length or speed.
+    Drift(DriftFigure),
+    /// Precision-recall curves.
+    PrecisionRecall(PrecisionRecallFigure),
+    /// Bars against baselines.
+    Bars(BarFigure),
+}
+
+impl Figure for AnyFigure {
+    fn size(&self) -> (u32, u32) {
+        match self {
+            AnyFigure::Trajectory(f) => f.size(),
+            AnyFigure::Error(f) => f.size(),
+            AnyFigure::Drift(f) => f.size(),
+            AnyFigure::PrecisionRecall(f) => f.size(),
+            AnyFigure::Bars(f) => f.size(),
+        }
+    }
+
+    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
+    where
+        B::ErrorType: 'static,
+    {
+        match self {
+            AnyFigure::Trajectory(f) => f.draw(canvas),
+            AnyFigure::Error(f) => f.draw(canvas),
+            AnyFigure::Drift(f) => f.draw(canvas),
+            AnyFigure::PrecisionRecall(f) => f.draw(canvas),
+            AnyFigure::Bars(f) => f.draw(canvas),
+        }
+    }
+}
+
+/// A figure with its place.
+#[derive(Clone, Debug)]
+pub struct NamedFigure {
+    /// File name without extension.
+    pub name: String,
+    /// What it shows.
+    pub caption: String,
+    /// The figure.
+    pub figure: AnyFigure,
+}
+
+/// All figures of the results: of the suite first, then of each run (first repeats); and what could not be drawn.
+pub fn result_figures(results: &Results, baselines: &[Baseline]) -> (Vec<NamedFigure>, Vec<String>) {
+    let mut figures = bars(results, baselines);
+    figures.extend(drifts(results));
+    let mut problems = Vec::new();
+    match precision_recalls(results) {
+        Ok(curves) => figures.extend(curves),
+        Err(problem) => problems.push(format!("{problem:#}")),
+    }
+    for run in results.runs.iter().filter(|run| run.id.repeat == 1 && run.is_done()) {
+        match run_figures(results, run) {
+            Ok(of_run) => figures.extend(of_run),
+            Err(problem) => problems.push(format!("{}: {problem:#}", run.id)),
+        }
+    }
+    (figures, problems)
+}
+
+/// One chart per metric, from the same table that is printed.
+fn bars(results: &Results, baselines: &[Baseline]) -> Vec<NamedFigure> {
+    let metrics = [Metric::TRelPercent, Metric::RRelDegPer100m, Metric::AteRmseM, Metric::Auc];
+    let chart = |metric: Metric| {
+        let table = metric_table(results, baselines, metric)?;
+        let rows: Vec<_> = table.rows.iter().filter(|row| row.name != "pooled").collect();
+        let series: Vec<(String, Vec<Option<f64>>)> = table
+            .columns
+            .iter()
+            .enumerate()
+            .map(|(c, name)| (name.clone(), rows.iter().map(|row| row.cells[c].value).collect()))
+            .collect();
+        series.iter().flat_map(|s| &s.1).flatten().next()?;
+        let figure = BarFigure {
+            title: table.title.clone(),
+            y_label: metric.label().to_owned(),
+            groups: rows.iter().map(|row| row.name.clone()).collect(),
+            series,
+        };
+        Some(NamedFigure {
+            name: format!("bars_{}", metric.file_name()),
+            caption: format!("{} of each sequence beside published results", metric.label()),
+            figure: AnyFigure::Bars(figure),
+        })
+    };
+    metrics.into_iter().filter_map(chart).collect()
+}
+
+/// Drift by length and by speed, all sequences together, one curve per configuration.
+fn drifts(results: &Results) -> Vec<NamedFigure> {
+    let kinds = [("drift_length", DriftAxis::Length, "segment length"), ("drift_speed", DriftAxis::Speed, "speed")];
+    let figure = |(name, axis, what): (&str, DriftAxis, &str)| {
+        let curve = |configuration: &str| {
+            let runs = results.runs.iter().filter(|r| r.id.configuration == configuration && r.id.repeat == 1);
+            let evaluations = runs.filter_map(|r| r.evaluation.as_ref());
+            let bins = evaluations.flat_map(|e| if axis == DriftAxis::Length { &e.per_length } else { &e.per_speed });
+            pool(bins.copied().collect())
+        };
+        let names = results.plan.configurations.iter().map(|c| &c.name);
+        let curves: Vec<_> = names.map(|name| (name.clone(), curve(name))).filter(|c| !c.1.is_empty()).collect();
+        let title = format!("{}: drift by {what}, all sequences", results.plan.name);
+        (!curves.is_empty()).then(|| NamedFigure {
+            name: name.to_owned(),
+            caption: format!("Drift by {what}, segments of all sequences together"),
+            figure: AnyFigure::Drift(DriftFigure { title, axis, curves }),
+        })
+    };
+    kinds.into_iter().filter_map(figure).collect()
+}
+
+/// Bins at the same place merged, weighted by their segments.
+fn pool(mut bins: Vec<DriftBin>) -> Vec<DriftBin> {
+    bins.sort_by(|a, b| a.at.total_cmp(&b.at));
+    let merged = bins.chunk_by(|a, b| a.at == b.at).map(|group| {
+        let n: usize = group.iter().map(|b| b.n).sum();
+        let mean = |value: fn(&DriftBin) -> f64| group.iter().map(|b| value(b) * b.n as f64).sum::<f64>() / n as f64;
+        DriftBin {
+            at: group[0].at,
+            n,
+            t_rel_percent: mean(|b| b.t_rel_percent),
+            r_rel_deg_per_100m: mean(|b| b.r_rel_deg_per_100m),
+        }
+    });
+    merged.collect()
+}
+
+/// One figure per sequence that has curves.
+fn precision_recalls(results: &Results) -> Result<Vec<NamedFigure>> {
+    let mut figures = Vec::new();
+    for sequence in &results.plan.sequences {
+        let mut curves = Vec::new();
+        for run in results.runs.iter().filter(|r| r.id.sequence == sequence.name && r.id.repeat == 1) {
+            if let Some(curve) = run.precision_recall()? {
+                curves.push((run.id.configuration.clone(), curve));
+            }
+        }
+        if !curves.is_empty() {
+            let title = format!("{} {}: place recognition", results.plan.name, sequence.name);
+            figures.push(NamedFigure {
+                name: format!("precision_recall_{}", sequence.name),
+                caption: format!("Precision over recall on {}", sequence.name),
+                figure: AnyFigure::PrecisionRecall(PrecisionRecallFigure { title, curves }),
+            });
+        }
+    }
+    Ok(figures)
+}
+
+/// Top view, side view and error of one run.
+fn run_figures(results: &Results, run: &RunResult) -> Result<Vec<NamedFigure>> {
+    let Some(sequence) = results.plan.sequence(&run.id.sequence) else { return Ok(Vec::new()) };
+    let summary = run.summary.clone().unwrap_or_default();
+    let paths = run_paths(&run.folder, sequence, &summary)?;
+    let run_name = format!("{}_{}", run.id.sequence, run.id.configuration);
+    let title = format!("{} {}, {}", results.plan.name, run.id.sequence, run.id.configuration);
+    let mut figures = Vec::new();
+    for (what, view) in [("top", View::Top), ("side", View::Side)] {
+        let figure = TrajectoryFigure {
+            title: title.clone(),
+            estimate: paths.estimate.clone(),
+            ground_truth: paths.ground_truth.clone(),
+            view,
+        };
+        figures.push(NamedFigure {
+            name: format!("{run_name}_{what}"),
+            caption: format!("{title}: {what} view"),
+            figure: AnyFigure::Trajectory(figure),
+        });
+    }
+    if !paths.ground_truth.is_empty() {
+        figures.push(NamedFigure {
+            name: format!("{run_name}_error"),
+            caption: format!("{title}: error along the path, after alignment"),
+            figure: AnyFigure::Error(ErrorFigure::new(&title, &paths.estimate, &paths.ground_truth)),
+        });
+    }
+    Ok(figures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pooling_weighs_by_segments() {
+        let bin = |at, n, t| DriftBin { at, n, t_rel_percent: t, r_rel_deg_per_100m: 2.0 * t };
+        let pooled = pool(vec![bin(200.0, 1, 1.0), bin(100.0, 5, 3.0), bin(200.0, 3, 2.0)]);
+        assert_eq!(pooled, [bin(100.0, 5, 3.0), bin(200.0, 4, 1.75)]);
+    }
+}
