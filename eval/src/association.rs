@@ -77,7 +77,10 @@ fn by_index(est: &Trajectory, gt: &Trajectory) -> Result<Pairs> {
 }
 
 fn by_timestamp(est: &Trajectory, gt: &Trajectory, tolerance_s: f64) -> Result<Pairs> {
-    ensure!(tolerance_s.is_finite() && tolerance_s >= 0.0, "the tolerance must be >= 0, found {tolerance_s} s");
+    ensure!(
+        tolerance_s.is_finite() && tolerance_s >= 0.0,
+        "the tolerance must be >= 0, found {tolerance_s} s"
+    );
     // As evo does: each pose of the shorter trajectory takes the nearest of the longer one.
     let est_is_longer = est.poses.len() > gt.poses.len();
     let (short, long) = if est_is_longer { (gt, est) } else { (est, gt) };

@@ -103,7 +103,8 @@ pub fn read_baselines(extra: Option<&Path>) -> Result<Vec<Baseline>> {
     files.retain(|path| path.extension().is_some_and(|e| e == "yaml"));
     files.sort();
     for path in files {
-        let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text =
+            std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
         baselines.push(parse(&text).with_context(|| format!("{}", path.display()))?);
     }
     Ok(baselines)
@@ -149,7 +150,8 @@ mod tests {
 
     #[test]
     fn a_baseline_without_source_is_refused() {
-        let text = "name: a\nsource: ''\ndataset: kitti\nsensor: stereo\nmetrics: {ate_rmse_m: {'00': 1.0}}\n";
+        let text =
+            "name: a\nsource: ''\ndataset: kitti\nsensor: stereo\nmetrics: {ate_rmse_m: {'00': 1.0}}\n";
         assert_eq!(parse(text).unwrap_err().to_string(), "the source is empty: a published figure needs one");
     }
 }

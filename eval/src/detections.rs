@@ -31,13 +31,20 @@ fn parse(text: &str) -> Result<(Vec<Detection>, usize)> {
         let (number, line) = (i + 1, line.trim());
         if let Some(comment) = line.strip_prefix('#') {
             if let Some(n) = comment.trim().strip_prefix("events") {
-                n_events = Some(n.trim().parse().with_context(|| format!("line {number}: found '{line}', expected '# events N'"))?);
+                n_events = Some(
+                    n.trim()
+                        .parse()
+                        .with_context(|| format!("line {number}: found '{line}', expected '# events N'"))?,
+                );
             }
         } else if !line.is_empty() && line != "score,correct" {
             let Some((score, correct)) = line.split_once(',') else {
                 bail!("line {number}: found '{line}', expected 'score,correct'");
             };
-            let score = score.trim().parse().with_context(|| format!("line {number}: found '{score}', expected a score"))?;
+            let score = score
+                .trim()
+                .parse()
+                .with_context(|| format!("line {number}: found '{score}', expected a score"))?;
             let is_correct = match correct.trim() {
                 "1" => true,
                 "0" => false,
@@ -66,6 +73,8 @@ mod tests {
         assert_eq!(message("1,1\n"), "no line '# events N' with the number of loop events");
         assert_eq!(message("# events 3\n1;1\n"), "line 2: found '1;1', expected 'score,correct'");
         assert_eq!(message("# events 3\n1,2\n"), "line 2: found '2', expected 0 or 1");
-        assert!(message("# events many\n").starts_with("line 1: found '# events many', expected '# events N'"));
+        assert!(
+            message("# events many\n").starts_with("line 1: found '# events many', expected '# events N'")
+        );
     }
 }

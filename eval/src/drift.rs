@@ -82,20 +82,25 @@ impl Drift {
         }
     }
 
-    /// Mean drift per range of speeds, `width_kmh` wide; the speed of a segment is its nominal length over the
-    /// time between its end frames at `frame_rate_hz` (KITTI: 10).
-    pub fn per_speed(&self, frame_rate_hz: f64, width_kmh: f64) -> Vec<DriftBin> {
-        let range_of = |s: &Segment| {
-            let seconds = (s.last - s.first) as f64 / frame_rate_hz;
-            (s.length_m / seconds * 3.6 / width_kmh).floor()
+    /// Mean drift per range of speeds (km/h), `times_s` being the time of each frame. The speed of a segment is its nominal
+    /// length over the time between its end frames; ranges are 10 km/h wide for cars, narrower below 30 km/h.
+    pub fn per_speed(&self, times_s: &[f64]) -> Vec<DriftBin> {
+        let speed = |s: &Segment| s.length_m / (times_s[s.last] - times_s[s.first]).max(f64::EPSILON) * 3.6;
+        let fastest = self.segments.iter().map(speed).fold(0.0, f64::max);
+        let width = if fastest > 30.0 {
+            10.0
+        } else if fastest > 6.0 {
+            2.0
+        } else {
+            0.5
         };
+        let range_of = |s: &Segment| (speed(s) / width).floor();
         let mut ranges: Vec<f64> = self.segments.iter().map(range_of).collect();
         ranges.sort_by(f64::total_cmp);
         ranges.dedup();
-        let middle = |range: f64| (range + 0.5) * width_kmh;
         ranges
             .iter()
-            .filter_map(|&range| bin(&self.segments, middle(range), |s| range_of(s) == range))
+            .filter_map(|&range| bin(&self.segments, (range + 0.5) * width, |s| range_of(s) == range))
             .collect()
     }
 }
@@ -230,4 +235,69 @@ fn bin(segments: &[Segment], at: f64, belongs: impl Fn(&Segment) -> bool) -> Opt
         t_rel_percent: Statistics::of(&t)?.mean,
         r_rel_deg_per_100m: mean_r_rel(&chosen)?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::{SO3, Vec3};
+
+    /// `n` poses a metre apart along z.
+    fn straight(n: usize, step: f64) -> Vec<SE3> {
+        (0..n).map(|i| SE3::new(SO3::identity(), Vec3::new(0.0, 0.0, step * i as f64))).collect()
+    }
+
+    #[test]
+    fn a_wrong_scale_shows_as_its_percentage() {
+        let drift = kitti_drift(&straight(250, 1.02), &straight(250, 1.0), &KITTI_LENGTHS_M).unwrap();
+        // The end frame lies 101 and 201 m on (strictly more than the length): 2 % of that, over the nominal length.
+        let t: Vec<f64> = drift.per_length.iter().map(|b| b.t_rel_percent).collect();
+        assert!((t[0] - 2.0 * 1.01).abs() < 1e-9 && (t[1] - 2.0 * 1.005).abs() < 1e-9, "{t:?}");
+        assert_eq!(drift.per_length.iter().map(|b| b.n).collect::<Vec<_>>(), [15, 5]);
+        assert_eq!(drift.r_rel_deg_per_100m, Some(0.0));
+    }
+
+    #[test]
+    fn a_sequence_too_short_has_no_figure() {
+        let drift = kitti_drift(&straight(101, 1.0), &straight(101, 1.0), &KITTI_LENGTHS_M).unwrap();
+        assert_eq!(drift, Drift::default());
+        assert_eq!(
+            kitti_drift(&straight(102, 1.0), &straight(102, 1.0), &KITTI_LENGTHS_M).unwrap().n_segments,
+            1
+        );
+    }
+
+    #[test]
+    fn speeds_are_binned() {
+        let (gt, est) = (straight(400, 1.0), straight(400, 1.01));
+        let drift = kitti_drift(&est, &gt, &[100.0]).unwrap();
+        let times: Vec<f64> = (0..400).map(|i| f64::from(i) * 0.1).collect();
+        let bins = drift.per_speed(&times);
+        // 100 m in 101 frames of 0.1 s: 35.6 km/h.
+        assert_eq!(bins.iter().map(|b| (b.at, b.n)).collect::<Vec<_>>(), [(35.0, drift.n_segments)]);
+    }
+
+    #[test]
+    fn pooled_and_mean_differ_when_sequences_do() {
+        let long = kitti_drift(&straight(400, 1.01), &straight(400, 1.0), &[100.0]).unwrap();
+        let short = kitti_drift(&straight(150, 1.04), &straight(150, 1.0), &[100.0]).unwrap();
+        let both = pool_drift(&[&long, &short]);
+        let (a, b) = (long.t_rel_percent.unwrap(), short.t_rel_percent.unwrap());
+        let (n, m) = (long.n_segments as f64, short.n_segments as f64);
+        assert!((both.mean_t_rel_percent.unwrap() - 0.5 * (a + b)).abs() < 1e-12);
+        assert!((both.pooled_t_rel_percent.unwrap() - (a * n + b * m) / (n + m)).abs() < 1e-12);
+        assert_eq!((both.n_sequences, n, m), (2, 30.0, 5.0));
+    }
+
+    #[test]
+    fn messages() {
+        let message = |n, lengths: &[f64]| {
+            kitti_drift(&straight(n, 1.0), &straight(9, 1.0), lengths).unwrap_err().to_string()
+        };
+        assert_eq!(
+            message(8, &KITTI_LENGTHS_M),
+            "the estimate has 8 poses but the ground truth has 9: match them first, by index or by timestamp"
+        );
+        assert_eq!(message(9, &[100.0, -1.0]), "a segment length must be positive, found -1 m");
+    }
 }

@@ -14,9 +14,6 @@ use crate::rpe::{RpeOptions, rpe};
 use crate::scale_drift::scale_drift;
 use crate::statistics::Statistics;
 
-/// Width of the ranges of speed, km/h.
-const SPEED_RANGE_KMH: f64 = 10.0;
-
 /// What drift does at frames without a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum LostFrames {
@@ -37,7 +34,7 @@ pub struct EvaluationOptions {
     pub rpe: RpeOptions,
     /// Window of the scale drift, metres.
     pub scale_window_m: f64,
-    /// Frames per second, for drift by speed.
+    /// Frames per second of files without times, for drift by speed.
     pub frame_rate_hz: f64,
     /// Drift at lost frames.
     pub lost: LostFrames,
@@ -64,6 +61,8 @@ pub struct Matched {
     pub est: Vec<Option<SE3>>,
     /// Ground truth `world_from_cam`.
     pub gt: Vec<SE3>,
+    /// Time of each pose of `gt`, seconds; `None` for KITTI files, which count frames.
+    pub times_s: Option<Vec<f64>>,
     /// How they were matched, in words.
     pub association: String,
     /// Poses in the estimate's file.
@@ -84,12 +83,15 @@ impl Matched {
         }
         let times_differ = (est.format == Format::Kitti) != (gt.format == Format::Kitti);
         if times_differ && association != Association::Index {
-            bail!("a KITTI file has no timestamps: match by index, or give both files in a format with times");
+            bail!(
+                "a KITTI file has no timestamps: match by index, or give both files in a format with times"
+            );
         }
         let pairs = associate(&est.trajectory, &gt.trajectory, association)?;
         Ok(Matched {
             est: pairs.est.iter().copied().map(Some).collect(),
             gt: pairs.gt,
+            times_s: (est.format != Format::Kitti).then_some(pairs.timestamps_s),
             association: association.to_string(),
             n_est: pairs.n_est,
             n_gt: pairs.n_gt,
@@ -103,12 +105,15 @@ impl Matched {
             let frame = pose.timestamp_s as usize;
             match sparse.get_mut(frame) {
                 Some(slot) => *slot = Some(pose.world_from_cam),
-                None => bail!("the estimate has a frame {frame}, the ground truth ends at frame {}", n_gt - 1),
+                None => {
+                    bail!("the estimate has a frame {frame}, the ground truth ends at frame {}", n_gt - 1)
+                }
             }
         }
         Ok(Matched {
             est: sparse,
             gt: gt.trajectory.poses.iter().map(|p| p.world_from_cam).collect(),
+            times_s: None,
             association: "by frame number".to_owned(),
             n_est: est.trajectory.poses.len(),
             n_gt,
@@ -165,8 +170,12 @@ pub struct Evaluation {
     pub rpe_deg: Option<Statistics>,
     /// Change of scale, percent per 100 m.
     pub scale_drift_percent_per_100m: Option<f64>,
-    /// Tracked and lost frames.
+    /// Tracked and lost frames (files with times: of the matched poses only, none of which can be lost).
     pub coverage: Coverage,
+    /// Files with times: poses of the estimate without a true pose in time.
+    pub n_unmatched: usize,
+    /// Files with times: longest time between matched poses, seconds; lost frames show here.
+    pub longest_gap_s: Option<f64>,
 }
 
 /// The figures together with what plots need.
@@ -195,6 +204,10 @@ pub fn evaluate(matched: &Matched, options: &EvaluationOptions) -> Result<Evalua
         LostFrames::Fill => kitti_drift(&fill_lost(&sparse)?.0, &matched.gt, &options.lengths_m)?,
         LostFrames::Skip => kitti_drift_sparse(&sparse, &matched.gt, &options.lengths_m)?,
     };
+    let seconds = matched
+        .times_s
+        .clone()
+        .unwrap_or_else(|| (0..matched.gt.len()).map(|frame| frame as f64 / options.frame_rate_hz).collect());
     let moved_est: Vec<SE3> = est.iter().map(moved).collect();
     let relative = rpe(&moved_est, &gt, &options.rpe).ok();
     let figures = Evaluation {
@@ -212,11 +225,19 @@ pub fn evaluate(matched: &Matched, options: &EvaluationOptions) -> Result<Evalua
         n_segments: drift.n_segments,
         n_segments_skipped: drift.n_without_estimate,
         per_length: drift.per_length.clone(),
-        per_speed: drift.per_speed(options.frame_rate_hz, SPEED_RANGE_KMH),
+        per_speed: drift.per_speed(&seconds),
         rpe_m: relative.as_ref().map(|r| r.translation),
         rpe_deg: relative.as_ref().map(|r| r.rotation_deg),
-        scale_drift_percent_per_100m: scale_drift(&est, &gt, options.scale_window_m).ok().map(|s| s.percent_per_100m),
+        scale_drift_percent_per_100m: scale_drift(&est, &gt, options.scale_window_m)
+            .ok()
+            .map(|s| s.percent_per_100m),
         coverage: matched.coverage(),
+        n_unmatched: matched.n_est.saturating_sub(est.len()),
+        longest_gap_s: matched.times_s.as_deref().and_then(longest_gap),
     };
     Ok(Evaluated { figures, gt_from_est: absolute.gt_from_est, drift })
+}
+
+fn longest_gap(times_s: &[f64]) -> Option<f64> {
+    times_s.windows(2).map(|t| t[1] - t[0]).max_by(f64::total_cmp)
 }

@@ -6,7 +6,8 @@ use plotters::prelude::DrawingBackend;
 use crate::baseline::{Baseline, Metric};
 use crate::drift::DriftBin;
 use crate::plot::{
-    BarFigure, Canvas, DriftAxis, DriftFigure, ErrorFigure, Figure, PrecisionRecallFigure, TrajectoryFigure, View,
+    BarFigure, Canvas, DriftAxis, DriftFigure, ErrorFigure, Figure, PrecisionRecallFigure, TrajectoryFigure,
+    View,
 };
 use crate::suite::{Results, RunResult, run_paths};
 use crate::table::metric_table;
@@ -110,16 +111,20 @@ fn bars(results: &Results, baselines: &[Baseline]) -> Vec<NamedFigure> {
 
 /// Drift by length and by speed, all sequences together, one curve per configuration.
 fn drifts(results: &Results) -> Vec<NamedFigure> {
-    let kinds = [("drift_length", DriftAxis::Length, "segment length"), ("drift_speed", DriftAxis::Speed, "speed")];
+    let kinds =
+        [("drift_length", DriftAxis::Length, "segment length"), ("drift_speed", DriftAxis::Speed, "speed")];
     let figure = |(name, axis, what): (&str, DriftAxis, &str)| {
         let curve = |configuration: &str| {
-            let runs = results.runs.iter().filter(|r| r.id.configuration == configuration && r.id.repeat == 1);
+            let runs =
+                results.runs.iter().filter(|r| r.id.configuration == configuration && r.id.repeat == 1);
             let evaluations = runs.filter_map(|r| r.evaluation.as_ref());
-            let bins = evaluations.flat_map(|e| if axis == DriftAxis::Length { &e.per_length } else { &e.per_speed });
+            let bins = evaluations
+                .flat_map(|e| if axis == DriftAxis::Length { &e.per_length } else { &e.per_speed });
             pool(bins.copied().collect())
         };
         let names = results.plan.configurations.iter().map(|c| &c.name);
-        let curves: Vec<_> = names.map(|name| (name.clone(), curve(name))).filter(|c| !c.1.is_empty()).collect();
+        let curves: Vec<_> =
+            names.map(|name| (name.clone(), curve(name))).filter(|c| !c.1.is_empty()).collect();
         let title = format!("{}: drift by {what}, all sequences", results.plan.name);
         (!curves.is_empty()).then(|| NamedFigure {
             name: name.to_owned(),
@@ -135,7 +140,8 @@ fn pool(mut bins: Vec<DriftBin>) -> Vec<DriftBin> {
     bins.sort_by(|a, b| a.at.total_cmp(&b.at));
     let merged = bins.chunk_by(|a, b| a.at == b.at).map(|group| {
         let n: usize = group.iter().map(|b| b.n).sum();
-        let mean = |value: fn(&DriftBin) -> f64| group.iter().map(|b| value(b) * b.n as f64).sum::<f64>() / n as f64;
+        let mean =
+            |value: fn(&DriftBin) -> f64| group.iter().map(|b| value(b) * b.n as f64).sum::<f64>() / n as f64;
         DriftBin {
             at: group[0].at,
             n,

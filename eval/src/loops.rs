@@ -48,7 +48,8 @@ impl LoopTruth {
     /// # Errors
     /// An empty text, a row whose length is not the number of rows, or an entry that is neither 0 nor 1.
     pub fn from_matrix_text(text: &str) -> Result<LoopTruth> {
-        let rows: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
+        let rows: Vec<&str> =
+            text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#')).collect();
         ensure!(!rows.is_empty(), "the matrix is empty");
         let mut matches = Vec::with_capacity(rows.len());
         for (i, row) in rows.iter().enumerate() {

@@ -78,7 +78,8 @@ pub fn precision_recall(detections: &[Detection], n_events: usize) -> Result<Pre
 
 fn area(points: &[PrecisionRecall]) -> f64 {
     let first = points[0].precision * points[0].recall;
-    let rest = points.windows(2).map(|p| 0.5 * (p[0].precision + p[1].precision) * (p[1].recall - p[0].recall));
+    let rest =
+        points.windows(2).map(|p| 0.5 * (p[0].precision + p[1].precision) * (p[1].recall - p[0].recall));
     first + rest.sum::<f64>()
 }
 
@@ -118,10 +119,14 @@ mod tests {
 
     #[test]
     fn messages() {
-        let message = |list: &[(f64, bool)], n| precision_recall(&detections(list), n).unwrap_err().to_string();
+        let message =
+            |list: &[(f64, bool)], n| precision_recall(&detections(list), n).unwrap_err().to_string();
         assert_eq!(message(&[], 1), "no detections: a precision-recall curve needs at least one");
         assert_eq!(message(&[(1.0, true)], 0), "no loop events: recall is not defined");
         assert_eq!(message(&[(1.0, true); 2], 1), "2 correct detections, but only 1 loop events");
-        assert_eq!(message(&[(f64::NAN, true)], 1), "a detection has the score NaN, expected a finite number");
+        assert_eq!(
+            message(&[(f64::NAN, true)], 1),
+            "a detection has the score NaN, expected a finite number"
+        );
     }
 }

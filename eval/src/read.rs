@@ -54,7 +54,9 @@ pub fn read_trajectory_file(path: &Path, format: Option<Format>) -> Result<Traje
 
 fn detect(path: &Path) -> Result<Format> {
     let text = read_text(path)?;
-    let Some((number, line)) = data_lines(&text).next() else { bail!("{}: the file is empty", path.display()) };
+    let Some((number, line)) = data_lines(&text).next() else {
+        bail!("{}: the file is empty", path.display())
+    };
     if line.contains(',') {
         return Ok(Format::Euroc);
     }
@@ -121,7 +123,12 @@ fn read_timed(path: &Path, format: Format) -> Result<TrajectoryFile> {
         }
     }
     ensure!(!poses.is_empty(), "{}: the file is empty", path.display());
-    Ok(TrajectoryFile { trajectory: Trajectory { poses }, format, has_frame_numbers: false, n_repeated_times })
+    Ok(TrajectoryFile {
+        trajectory: Trajectory { poses },
+        format,
+        has_frame_numbers: false,
+        n_repeated_times,
+    })
 }
 
 fn tum_row(line: &str) -> Result<StampedPose> {

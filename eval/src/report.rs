@@ -45,7 +45,8 @@ pub fn html_report(
     text += "<h2>Figures</h2>\n";
     for figure in figures {
         let caption = escape(&figure.caption);
-        text += &format!("<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n", svg(&figure.figure)?);
+        text +=
+            &format!("<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n", svg(&figure.figure)?);
     }
     if !problems.is_empty() {
         text += "<h2>Not drawn</h2>\n<ul>\n";
@@ -59,7 +60,8 @@ pub fn html_report(
 fn introduction(results: &Results) -> String {
     let plan = &results.plan;
     let n_done = results.runs.iter().filter(|r| r.is_done()).count();
-    let versions: Vec<&str> = results.runs.iter().filter_map(|r| r.summary.as_ref()?.version.as_deref()).collect();
+    let versions: Vec<&str> =
+        results.runs.iter().filter_map(|r| r.summary.as_ref()?.version.as_deref()).collect();
     let version = versions.first().map(|v| format!(" of version {}", escape(v))).unwrap_or_default();
     let lengths: Vec<String> = plan.lengths_m.iter().map(f64::to_string).collect();
     format!(

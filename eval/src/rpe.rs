@@ -87,7 +87,12 @@ pub fn rpe(est: &[SE3], gt: &[SE3], options: &RpeOptions) -> Result<RpeReport> {
     }
     let too_short = || {
         let unit = if options.unit == DeltaUnit::Frames { "frames" } else { "m" };
-        anyhow!("no two poses are {} {unit} apart: {} poses, {:.3} m", options.delta, est.len(), travelled[est.len() - 1])
+        anyhow!(
+            "no two poses are {} {unit} apart: {} poses, {:.3} m",
+            options.delta,
+            est.len(),
+            travelled[est.len() - 1]
+        )
     };
     Ok(RpeReport {
         translation: Statistics::of(&translation_errors).ok_or_else(too_short)?,
@@ -200,12 +205,18 @@ mod tests {
         let gt = accelerating(4);
         let message = |options: RpeOptions| rpe(&gt, &gt, &options).unwrap_err().to_string();
         let frames = RpeOptions::default();
-        assert_eq!(message(RpeOptions { delta: 4.0, ..frames }), "no two poses are 4 frames apart: 4 poses, 6.000 m");
+        assert_eq!(
+            message(RpeOptions { delta: 4.0, ..frames }),
+            "no two poses are 4 frames apart: 4 poses, 6.000 m"
+        );
         assert_eq!(
             message(RpeOptions { delta: 7.0, unit: DeltaUnit::Metres, ..frames }),
             "no two poses are 7 m apart: 4 poses, 6.000 m"
         );
-        assert_eq!(message(RpeOptions { delta: 1.5, ..frames }), "a delta in frames must be a whole number, found 1.5");
+        assert_eq!(
+            message(RpeOptions { delta: 1.5, ..frames }),
+            "a delta in frames must be a whole number, found 1.5"
+        );
         assert_eq!(message(RpeOptions { delta: -1.0, ..frames }), "the delta must be positive, found -1");
     }
 }

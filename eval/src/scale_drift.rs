@@ -110,7 +110,11 @@ mod tests {
         let gt = straight((0..2000).map(|_| 0.5));
         let est = straight((0..2000).map(|i| 0.5 * 0.98_f64.powf(f64::from(i) * 0.5 / 100.0)));
         let drift = scale_drift(&est, &gt, 20.0).unwrap();
-        assert!((drift.percent_per_100m - 100.0 * (1.0 / 0.98 - 1.0)).abs() < 1e-3, "{}", drift.percent_per_100m);
+        assert!(
+            (drift.percent_per_100m - 100.0 * (1.0 / 0.98 - 1.0)).abs() < 1e-3,
+            "{}",
+            drift.percent_per_100m
+        );
     }
 
     #[test]

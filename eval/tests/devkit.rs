@@ -1,6 +1,10 @@
 //! KITTI drift agrees with `devkit_reference.py` (numpy, written from the definition) to 1e-9, and reproduces what public
 //! tools print for published trajectories.
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test fails by panicking and says what it skips")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test fails by panicking and says what it skips"
+)]
 
 mod common;
 
@@ -84,19 +88,47 @@ fn fixtures_agree_with_recorded_values() {
     let (gt, est) = (fixture("kitti_gt.txt"), fixture("kitti_est.txt"));
     check(
         plain(&gt, &est, &KITTI_LENGTHS_M),
-        [0.7467501390881228, 0.4432947240583244, 0.7820939273609727, 0.23245459984001138, 36.0, 1.6295734152481112],
+        [
+            0.7467501390881228,
+            0.4432947240583244,
+            0.7820939273609727,
+            0.23245459984001138,
+            36.0,
+            1.6295734152481112,
+        ],
     );
     check(
         plain(&gt, &est, &[10.0, 25.0, 50.0]),
-        [0.6888431781732098, 1.023280222865384, 0.7225965588066355, 0.21826786910450832, 83.0, 1.6295734152481112],
+        [
+            0.6888431781732098,
+            1.023280222865384,
+            0.7225965588066355,
+            0.21826786910450832,
+            83.0,
+            1.6295734152481112,
+        ],
     );
     check(
         plain(&gt, &fixture("kitti_est_numbered.txt"), &KITTI_LENGTHS_M),
-        [0.7388383511395787, 0.43763847971766184, 0.7775511274474708, 0.2422883544047907, 31.0, 1.6395113940058437],
+        [
+            0.7388383511395787,
+            0.43763847971766184,
+            0.7775511274474708,
+            0.2422883544047907,
+            31.0,
+            1.6395113940058437,
+        ],
     );
     check(
         after_sim3(&gt, &est),
-        [0.5588271804949575, 0.4432947240582564, 0.6113312249678619, 0.24786699853099223, 36.0, 0.1793063085749401],
+        [
+            0.5588271804949575,
+            0.4432947240582564,
+            0.6113312249678619,
+            0.24786699853099223,
+            36.0,
+            0.1793063085749401,
+        ],
     );
 }
 
@@ -109,7 +141,14 @@ fn published_orb_slam2_on_kitti_00() {
     assert!((found[1] - 0.2533302348330208).abs() < 1e-13, "{found:?}");
     check(
         found,
-        [0.699728663858329, 0.2533302348329914, 0.9297731709328105, 0.6122564383993776, 3283.0, 7.790288882656827],
+        [
+            0.699728663858329,
+            0.2533302348329914,
+            0.9297731709328105,
+            0.6122564383993776,
+            3283.0,
+            7.790288882656827,
+        ],
     );
     let sim3 = after_sim3(&gt, &est);
     assert!((sim3[0] - 0.627707845528897).abs() < 1e-13, "{sim3:?}");
@@ -119,7 +158,9 @@ fn published_orb_slam2_on_kitti_00() {
 
 #[test]
 fn published_sptam_on_kitti_00() {
-    let (Some(gt), Some(est)) = (published("KITTI_00_gt.txt"), published("KITTI_00_SPTAM.txt")) else { return };
+    let (Some(gt), Some(est)) = (published("KITTI_00_gt.txt"), published("KITTI_00_SPTAM.txt")) else {
+        return;
+    };
     let found = plain(&gt, &est, &KITTI_LENGTHS_M);
     assert!((found[0] - 1.4869606574252654).abs() < 1e-13, "{found:?}");
     assert!((found[1] - 0.5577059247660341).abs() < 1e-13, "{found:?}");
@@ -131,12 +172,26 @@ fn published_monocular_runs_with_missing_frames() {
         (
             "09",
             "2.88 0.25 8.39",
-            [2.88411251140712, 0.24905618674613003, 3.567598303284203, 2.099917301976732, 950.0, 8.386619228786047],
+            [
+                2.88411251140712,
+                0.24905618674613003,
+                3.567598303284203,
+                2.099917301976732,
+                950.0,
+                8.386619228786047,
+            ],
         ),
         (
             "10",
             "3.30 0.30 6.63",
-            [3.297839536933305, 0.3045899519453065, 3.974517763058737, 2.218343038736109, 456.0, 6.630158107185034],
+            [
+                3.297839536933305,
+                0.3045899519453065,
+                3.974517763058737,
+                2.218343038736109,
+                456.0,
+                6.630158107185034,
+            ],
         ),
     ] {
         let gt = published(&format!("KITTI_{sequence}_gt.txt"));
@@ -153,7 +208,8 @@ fn published_monocular_runs_with_missing_frames() {
 fn the_script_agrees() {
     let python = std::env::var("DSSLAM_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/devkit_reference.py");
-    let has_numpy = Command::new(&python).args(["-c", "import numpy"]).output().is_ok_and(|o| o.status.success());
+    let has_numpy =
+        Command::new(&python).args(["-c", "import numpy"]).output().is_ok_and(|o| o.status.success());
     if !has_numpy {
         eprintln!("SKIPPED: {python} with numpy is absent (set DSSLAM_PYTHON)");
         return;

@@ -1,5 +1,9 @@
 //! ATE and RPE agree with `evo`, the field's independent judge, to 1e-6.
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test fails by panicking and says what it skips")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test fails by panicking and says what it skips"
+)]
 
 mod common;
 #[path = "common/evo_values.rs"]

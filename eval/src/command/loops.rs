@@ -47,13 +47,21 @@ pub(super) fn run(args: &LoopsArgs) -> Result<()> {
     let rows = read_rows(&args.detections)?;
     let pairs: Vec<(usize, usize)> = rows.iter().map(|row| (row.0, row.1)).collect();
     let score = score_loops(&pairs, &truth).with_context(|| format!("{}", args.detections.display()))?;
-    let percent = |v: Option<f64>| v.map_or_else(|| "not defined".to_owned(), |v| format!("{:.2} %", 100.0 * v));
-    println!("precision  {}: {} of {} detections", percent(score.precision), score.n_correct, score.n_detections);
+    let percent =
+        |v: Option<f64>| v.map_or_else(|| "not defined".to_owned(), |v| format!("{:.2} %", 100.0 * v));
+    println!(
+        "precision  {}: {} of {} detections",
+        percent(score.precision),
+        score.n_correct,
+        score.n_detections
+    );
     println!("recall     {}: of {} frames that show a place again", percent(score.recall), score.n_queries);
     println!("revisits   {}: of {} returns to known places", percent(score.revisit_recall), score.n_revisits);
     let judged: Option<Vec<Detection>> = rows
         .iter()
-        .map(|&(query, answer, score)| Some(Detection { score: score?, is_correct: truth.is_correct(query, answer) }))
+        .map(|&(query, answer, score)| {
+            Some(Detection { score: score?, is_correct: truth.is_correct(query, answer) })
+        })
         .collect();
     let Some(judged) = judged.filter(|list| !list.is_empty()) else { return Ok(()) };
     let curve = precision_recall(&judged, score.n_queries)?;
@@ -66,7 +74,8 @@ pub(super) fn run(args: &LoopsArgs) -> Result<()> {
     if let Some(folder) = &args.plots {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
         let name = args.detections.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let figure = PrecisionRecallFigure { title: "Place recognition".to_owned(), curves: vec![(name, curve)] };
+        let figure =
+            PrecisionRecallFigure { title: "Place recognition".to_owned(), curves: vec![(name, curve)] };
         save(folder, "precision_recall", &figure)?;
     }
     Ok(())
@@ -74,7 +83,8 @@ pub(super) fn run(args: &LoopsArgs) -> Result<()> {
 
 fn truth(args: &LoopsArgs) -> Result<LoopTruth> {
     if let Some(path) = &args.matrix {
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text =
+            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         return LoopTruth::from_matrix_text(&text).with_context(|| format!("{}", path.display()));
     }
     let Some(path) = &args.poses else { bail!("give --matrix or --poses") };
@@ -93,7 +103,13 @@ fn read_rows(path: &Path) -> Result<Vec<(usize, usize, Option<f64>)>> {
         if line.is_empty() || line.starts_with('#') || line.starts_with("query") {
             continue;
         }
-        let place = || format!("{}:{}: found '{line}', expected query,answer or query,answer,score", path.display(), i + 1);
+        let place = || {
+            format!(
+                "{}:{}: found '{line}', expected query,answer or query,answer,score",
+                path.display(),
+                i + 1
+            )
+        };
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         ensure!(matches!(fields.len(), 2 | 3), "{}", place());
         let score = fields.get(2).map(|s| s.parse::<f64>()).transpose().with_context(place)?;

@@ -106,9 +106,17 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     }
     let records = run_suite(&plan, &options, &print_event)?;
     let n_failed = records.iter().filter(|r| r.state != RunState::Done).count();
-    println!("{} of {} runs have a result in {}", records.len() - n_failed, records.len(), options.results.display());
+    println!(
+        "{} of {} runs have a result in {}",
+        records.len() - n_failed,
+        records.len(),
+        options.results.display()
+    );
     if n_failed > 0 {
-        bail!("{n_failed} of {} runs failed; each folder has its log.txt, --retry-failed runs them again", records.len());
+        bail!(
+            "{n_failed} of {} runs failed; each folder has its log.txt, --retry-failed runs them again",
+            records.len()
+        );
     }
     Ok(())
 }

@@ -132,18 +132,23 @@ fn print_files(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) {
 /// The figures, one a line.
 fn text(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
     let e = &evaluated.figures;
-    let scale = if e.alignment == Alignment::Sim3 { format!(", scale {:.6}", e.scale) } else { String::new() };
+    let scale =
+        if e.alignment == Alignment::Sim3 { format!(", scale {:.6}", e.scale) } else { String::new() };
     let mut lines = vec![
-        format!("association   {}: {} poses used of {} estimated, {} true", e.association, e.n_used, e.n_est, e.n_gt),
-        format!("coverage      {:.2} %: {} of {} frames without a pose, longest gap {}",
-            e.coverage.percent(), e.coverage.n_lost, e.coverage.n_frames, e.coverage.longest_gap),
+        format!(
+            "association   {}: {} poses used of {} estimated, {} true",
+            e.association, e.n_used, e.n_est, e.n_gt
+        ),
+        coverage(evaluated),
         format!("alignment     {}{scale}", e.alignment),
         format!("ATE           {}", statistics(&e.ate_m, "m")),
         drift_line(evaluated, options),
     ];
     for bin in &e.per_length {
-        lines.push(format!("  {:>6} m    t_rel {:.4} %, r_rel {:.4} deg/100 m, {} segments",
-            bin.at, bin.t_rel_percent, bin.r_rel_deg_per_100m, bin.n));
+        lines.push(format!(
+            "  {:>6} m    t_rel {:.4} %, r_rel {:.4} deg/100 m, {} segments",
+            bin.at, bin.t_rel_percent, bin.r_rel_deg_per_100m, bin.n
+        ));
     }
     if let (Some(m), Some(deg)) = (&e.rpe_m, &e.rpe_deg) {
         let unit = if options.rpe.unit == DeltaUnit::Frames { "frames" } else { "m" };
@@ -154,10 +159,29 @@ fn text(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
         lines.push("RPE           not defined: no two poses that far apart".to_owned());
     }
     lines.push(match e.scale_drift_percent_per_100m {
-        Some(percent) => format!("scale drift   {percent:+.4} % per 100 m (windows of {} m)", options.scale_window_m),
+        Some(percent) => {
+            format!("scale drift   {percent:+.4} % per 100 m (windows of {} m)", options.scale_window_m)
+        }
         None => format!("scale drift   not defined: fewer than two windows of {} m", options.scale_window_m),
     });
     lines.join("\n") + "\n"
+}
+
+fn coverage(evaluated: &Evaluated) -> String {
+    let e = &evaluated.figures;
+    match e.longest_gap_s {
+        Some(gap) => format!(
+            "coverage      {} estimated poses without a true pose in time; longest gap between matched poses {gap:.3} s",
+            e.n_unmatched
+        ),
+        None => format!(
+            "coverage      {:.2} %: {} of {} frames without a pose, longest gap {} frames",
+            e.coverage.percent(),
+            e.coverage.n_lost,
+            e.coverage.n_frames,
+            e.coverage.longest_gap
+        ),
+    }
 }
 
 fn drift_line(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
@@ -177,7 +201,10 @@ fn drift_line(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
     } else if e.coverage.n_lost > 0 {
         notes.push(format!("{} lost frames filled", e.coverage.n_lost));
     }
-    format!("t_rel         {t:.4} % (RMS {rms:.4}, std {std:.4}), r_rel {r:.4} deg/100 m ({})", notes.join(", "))
+    format!(
+        "t_rel         {t:.4} % (RMS {rms:.4}, std {std:.4}), r_rel {r:.4} deg/100 m ({})",
+        notes.join(", ")
+    )
 }
 
 fn statistics(s: &Statistics, unit: &str) -> String {
@@ -187,7 +214,12 @@ fn statistics(s: &Statistics, unit: &str) -> String {
     )
 }
 
-fn write_plots(folder: &std::path::Path, args: &TrajArgs, matched: &Matched, evaluated: &Evaluated) -> Result<()> {
+fn write_plots(
+    folder: &std::path::Path,
+    args: &TrajArgs,
+    matched: &Matched,
+    evaluated: &Evaluated,
+) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let name = |path: &std::path::Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let title = format!("{} over {}", name(&args.est), name(&args.gt));
@@ -209,7 +241,11 @@ fn write_plots(folder: &std::path::Path, args: &TrajArgs, matched: &Matched, eva
         [("drift_length", DriftAxis::Length, &e.per_length), ("drift_speed", DriftAxis::Speed, &e.per_speed)]
     {
         if !bins.is_empty() {
-            plot::save(folder, file, &DriftFigure { title: title.clone(), axis, curves: vec![(name(&args.est), bins.clone())] })?;
+            plot::save(
+                folder,
+                file,
+                &DriftFigure { title: title.clone(), axis, curves: vec![(name(&args.est), bins.clone())] },
+            )?;
         }
     }
     println!("plots         {}", folder.display());

@@ -118,8 +118,7 @@ pub fn save(folder: &Path, name: &str, figure: &impl Figure) -> Result<()> {
 
 fn drawn_size(figure: &impl Figure) -> Result<(u32, u32)> {
     static REGISTERED: OnceLock<bool> = OnceLock::new();
-    let registered =
-        *REGISTERED.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
+    let registered = *REGISTERED.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
     ensure!(registered, "the built-in font cannot be read");
     let (width, height) = figure.size();
     Ok((width * UNIT, height * UNIT))
@@ -202,9 +201,8 @@ where
     /// Width of a text of `size`, logical pixels.
     pub(crate) fn text_width(&self, text: &str, size: f64) -> f64 {
         let font = ("sans-serif", size * f64::from(UNIT)).into_font();
-        font.box_size(text).map_or(0.6 * size * text.chars().count() as f64, |(width, _)| {
-            f64::from(width) / f64::from(UNIT)
-        })
+        font.box_size(text)
+            .map_or(0.6 * size * text.chars().count() as f64, |(width, _)| f64::from(width) / f64::from(UNIT))
     }
 
     /// A line of `width` logical pixels through `points`, with round joints.

@@ -42,8 +42,10 @@ impl Figure for PrecisionRecallFigure {
         axes.draw(canvas, "recall", "precision")?;
         for (i, (_, curve)) in self.curves.iter().enumerate() {
             let start = curve.points.first().map(|p| axes.at(0.0, p.precision));
-            let pixels: Vec<(f64, f64)> =
-                start.into_iter().chain(curve.points.iter().map(|p| axes.at(p.recall, p.precision))).collect();
+            let pixels: Vec<(f64, f64)> = start
+                .into_iter()
+                .chain(curve.points.iter().map(|p| axes.at(p.recall, p.precision)))
+                .collect();
             canvas.line(&pixels, color(i), 2.5)?;
         }
         Ok(())

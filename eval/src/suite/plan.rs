@@ -132,7 +132,10 @@ impl Plan {
         check_names("sequences", self.sequences.iter().map(|s| s.name.as_str()))?;
         check_names("configurations", self.configurations.iter().map(|c| c.name.as_str()))?;
         for length in &self.lengths_m {
-            ensure!(length.is_finite() && *length > 0.0, "lengths_m: found {length}, expected positive metres");
+            ensure!(
+                length.is_finite() && *length > 0.0,
+                "lengths_m: found {length}, expected positive metres"
+            );
         }
         for configuration in &self.configurations {
             if let Some(sensor) = &configuration.sensor {
@@ -260,7 +263,10 @@ mod tests {
         let twice = format!("name: a\nsequences: [{{name: s, path: .}}, {{name: s, path: .}}]\n{rest}");
         assert_eq!(message(&twice), "sequences: the name 's' stands twice");
         let slash = format!("name: a\nsequences: [{{name: ../s, path: .}}]\n{rest}");
-        assert_eq!(message(&slash), "sequences: the name '../s' may hold letters, digits, '-', '_' and '.' only");
+        assert_eq!(
+            message(&slash),
+            "sequences: the name '../s' may hold letters, digits, '-', '_' and '.' only"
+        );
         let unset = format!("name: a\nsequences: [{{name: s, path: '${{NOPE}}/s'}}]\n{rest}");
         assert_eq!(message(&unset), "sequence s: '${NOPE}/s': the variable NOPE is not set");
         let missing = format!("name: a\nsequences: [{{name: s, path: not-there}}]\n{rest}");

@@ -80,7 +80,10 @@ impl Results {
 
     /// Runs of one sequence and configuration, in order of repeats.
     pub fn repeats(&self, sequence: &str, configuration: &str) -> Vec<&RunResult> {
-        self.runs.iter().filter(|r| r.id.sequence == sequence && r.id.configuration == configuration).collect()
+        self.runs
+            .iter()
+            .filter(|r| r.id.sequence == sequence && r.id.configuration == configuration)
+            .collect()
     }
 }
 

@@ -50,7 +50,11 @@ pub enum Event<'a> {
 ///
 /// # Errors
 /// The results folder cannot be written, or `only` names no run. A run that fails is no error: its record says why.
-pub fn run_suite(plan: &Plan, options: &RunOptions, observer: &(dyn Fn(Event<'_>) + Sync)) -> Result<Vec<RunRecord>> {
+pub fn run_suite(
+    plan: &Plan,
+    options: &RunOptions,
+    observer: &(dyn Fn(Event<'_>) + Sync),
+) -> Result<Vec<RunRecord>> {
     let runs = selected(plan, options.only.as_deref())?;
     std::fs::create_dir_all(&options.results)
         .with_context(|| format!("cannot make {}", options.results.display()))?;
@@ -109,7 +113,12 @@ fn selected(plan: &Plan, only: Option<&str>) -> Result<Vec<RunId>> {
     Ok(chosen)
 }
 
-fn run_once(plan: &Plan, id: &RunId, options: &RunOptions, observer: &dyn Fn(Event<'_>)) -> Result<RunRecord> {
+fn run_once(
+    plan: &Plan,
+    id: &RunId,
+    options: &RunOptions,
+    observer: &dyn Fn(Event<'_>),
+) -> Result<RunRecord> {
     let folder = id.folder(&options.results);
     let arguments = arguments(plan, id, &folder);
     if let Ok(record) = read_json::<RunRecord>(&folder.join("run.json")) {
@@ -122,7 +131,8 @@ fn run_once(plan: &Plan, id: &RunId, options: &RunOptions, observer: &dyn Fn(Eve
     }
     observer(Event::Started(id));
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    for stale in ["run.json", "summary.json", "evaluation.json", "trajectory.kitti.txt", "trajectory.tum.txt"] {
+    for stale in ["run.json", "summary.json", "evaluation.json", "trajectory.kitti.txt", "trajectory.tum.txt"]
+    {
         let _ = std::fs::remove_file(folder.join(stale));
     }
     let start = Instant::now();
@@ -134,7 +144,8 @@ fn run_once(plan: &Plan, id: &RunId, options: &RunOptions, observer: &dyn Fn(Eve
     };
     let mut record = RunRecord { id: id.clone(), state, arguments, wall_s, evaluation_problem: None };
     if record.state == RunState::Done {
-        record.evaluation_problem = evaluate_run(plan, id, &folder).err().map(|problem| format!("{problem:#}"));
+        record.evaluation_problem =
+            evaluate_run(plan, id, &folder).err().map(|problem| format!("{problem:#}"));
     }
     write_json(&folder.join("run.json"), &record)?;
     observer(Event::Ended(&record));
@@ -209,7 +220,8 @@ fn execute(program: &Path, arguments: &[String], folder: &Path, timeout_s: Optio
 
 /// The exit status with the last line of the log.
 fn failure(status: ExitStatus, log: &Path) -> anyhow::Error {
-    let text = std::fs::read(log).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
+    let text =
+        std::fs::read(log).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
     match text.lines().rfind(|line| !line.trim().is_empty()) {
         Some(last) => anyhow!("{status}: {}", last.trim()),
         None => anyhow!("{status}, no output"),

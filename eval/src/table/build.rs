@@ -6,7 +6,7 @@ use crate::baseline::{Baseline, Metric};
 use crate::statistics::median;
 use crate::suite::{Results, RunResult};
 
-/// The table of one metric; `None` when no run and no baseline has it.
+/// The table of one metric; `None` when no run has it and there is nothing to compare with.
 ///
 /// Several repeats: the median, with the smallest and the largest in brackets when they differ.
 pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -> Option<Table> {
@@ -16,7 +16,9 @@ pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -
     for configuration in &results.plan.configurations {
         columns.push(our_column(results, &configuration.name, &sequences, metric));
     }
-    if columns.iter().all(|c| c.values.iter().all(Option::is_none)) && baselines.is_empty() {
+    let have_none = columns.iter().all(|c| c.values.iter().all(Option::is_none));
+    // Runs without place recognition need no empty table of it; for the others an empty column says that all failed.
+    if have_none && (baselines.is_empty() || metric == Metric::Auc) {
         return None;
     }
     for baseline in &baselines {
@@ -24,7 +26,10 @@ pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -
     }
     let mut rows: Vec<Row> = Vec::new();
     for (i, sequence) in sequences.iter().enumerate() {
-        rows.push(Row { name: (*sequence).to_owned(), cells: columns.iter().map(|c| c.cells[i].clone()).collect() });
+        rows.push(Row {
+            name: (*sequence).to_owned(),
+            cells: columns.iter().map(|c| c.cells[i].clone()).collect(),
+        });
     }
     let mut n_summary_rows = 0;
     if sequences.len() > 1 {
@@ -35,7 +40,8 @@ pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -
             n_summary_rows = 2;
         }
     }
-    rows.iter_mut().for_each(|row| mark_best(row, metric));
+    // Pooled figures are over different segments where runs failed: none of them is marked.
+    rows.iter_mut().filter(|row| row.name != "pooled").for_each(|row| mark_best(row, metric));
     let mut notes: Vec<String> = columns.iter().flat_map(|c| c.notes.iter().cloned()).collect();
     notes.extend(baselines.iter().map(|b| format!("{}: {}", b.name, b.source)));
     Some(Table {
@@ -83,7 +89,8 @@ fn our_column(results: &Results, configuration: &str, sequences: &[&str], metric
         let repeats = results.repeats(sequence, configuration);
         let values: Vec<f64> = repeats.iter().filter_map(|run| value(run, metric)).collect();
         let mut cell = Cell::number(median(&values), digits(metric));
-        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        let (low, high) =
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         let d = digits(metric);
         if values.len() > 1 && format!("{low:.d$}") != format!("{high:.d$}") {
             cell.text = format!("{} [{low:.d$}, {high:.d$}]", cell.text);
@@ -94,7 +101,8 @@ fn our_column(results: &Results, configuration: &str, sequences: &[&str], metric
         column.values.push(cell.value);
         column.cells.push(cell);
     }
-    let uses_sim3 = |run: &&RunResult| run.evaluation.as_ref().is_some_and(|e| e.alignment == Alignment::Sim3);
+    let uses_sim3 =
+        |run: &&RunResult| run.evaluation.as_ref().is_some_and(|e| e.alignment == Alignment::Sim3);
     if results.runs.iter().filter(|r| r.id.configuration == configuration).any(|r| uses_sim3(&r)) {
         column.head += " (after Sim3)";
     }
@@ -123,7 +131,10 @@ fn note_run(run: &RunResult, cell: &mut Cell, notes: &mut Vec<String>) {
 
 fn baseline_column(baseline: &Baseline, sequences: &[&str], metric: Metric) -> Column {
     let values: Vec<Option<f64>> = sequences.iter().map(|s| baseline.value(metric, s)).collect();
-    let cells = values.iter().map(|&value| Cell { text: published(value, metric), value, ..Cell::default() }).collect();
+    let cells = values
+        .iter()
+        .map(|&value| Cell { text: published(value, metric), value, ..Cell::default() })
+        .collect();
     Column { head: baseline.name.clone(), cells, values, notes: Vec::new(), is_ours: false }
 }
 

@@ -25,7 +25,11 @@ impl Table {
                 .iter()
                 .zip(&widths)
                 .enumerate()
-                .map(|(c, (cell, &width))| if c == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") })
+                .map(
+                    |(c, (cell, &width))| {
+                        if c == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+                    },
+                )
                 .collect();
             text += &format!("{}\n", cells.join("  ").trim_end());
         }
@@ -44,7 +48,8 @@ impl Table {
             let cells: Vec<String> = line.iter().map(|cell| cell.replace('|', "\\|")).collect();
             format!("| {} |\n", cells.join(" | "))
         };
-        let mut text = format!("### {}\n\n{}|---|{}\n", self.title, row(&lines[0]), "---:|".repeat(self.columns.len()));
+        let mut text =
+            format!("### {}\n\n{}|---|{}\n", self.title, row(&lines[0]), "---:|".repeat(self.columns.len()));
         lines[1..].iter().for_each(|line| text += &row(line));
         if !self.notes.is_empty() {
             text.push('\n');
@@ -72,7 +77,8 @@ impl Table {
             if cell.is_best { format!("\\textbf{{{text}}}") } else { text }
         };
         let heads: Vec<String> = self.columns.iter().map(|c| latex(c)).collect();
-        let mut text = format!("% {}\n\\begin{{tabular}}{{l{}}}\n\\toprule\n", self.title, "r".repeat(heads.len()));
+        let mut text =
+            format!("% {}\n\\begin{{tabular}}{{l{}}}\n\\toprule\n", self.title, "r".repeat(heads.len()));
         text += &format!("{} & {} \\\\\n\\midrule\n", latex(&self.corner), heads.join(" & "));
         for (i, row) in self.rows.iter().enumerate() {
             if self.n_summary_rows > 0 && i == self.rows.len() - self.n_summary_rows {
@@ -123,7 +129,11 @@ fn dagger(cell: &Cell) -> &'static str {
 }
 
 fn csv_field(text: &str) -> String {
-    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
 }
 
 /// Escapes LaTeX's special characters.
@@ -192,7 +202,9 @@ mod tests {
     #[test]
     fn latex_escapes() {
         let text = table().to_latex();
-        assert!(text.contains("sequence & a\\_b & x, y \\\\\n\\midrule\n00 & \\textbf{0.123$^\\dagger$} & 2.000 \\\\\n"));
+        assert!(text.contains(
+            "sequence & a\\_b & x, y \\\\\n\\midrule\n00 & \\textbf{0.123$^\\dagger$} & 2.000 \\\\\n"
+        ));
         assert!(text.ends_with("\\bottomrule\n\\end{tabular}\n% \u{2020} lost\n"));
     }
 

@@ -8,8 +8,19 @@ use crate::suite::{Results, RunResult};
 /// All runs with their counts and times.
 pub fn runs_table(results: &Results) -> Table {
     let columns = [
-        "frames", "lost", "not ready", "dropped", "ATE [m]", "t_rel [%]", "r_rel [deg/100 m]", "keyframes", "points",
-        "loops", "track [ms]", "wall [s]", "memory [MB]",
+        "frames",
+        "lost",
+        "not ready",
+        "dropped",
+        "ATE [m]",
+        "t_rel [%]",
+        "r_rel [deg/100 m]",
+        "keyframes",
+        "points",
+        "loops",
+        "track [ms]",
+        "wall [s]",
+        "memory [MB]",
     ];
     let mut notes = Vec::new();
     let rows = results.runs.iter().map(|run| {
@@ -68,9 +79,8 @@ fn csv_line(run: &RunResult) -> Vec<String> {
     let e = run.evaluation.as_ref();
     let count = |value: Option<usize>| value.map(|v| v.to_string()).unwrap_or_default();
     let number = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
-    let coverage = s.frames.filter(|&n| n > 0).map(|n| {
-        100.0 * n.saturating_sub(s.n_without_pose()) as f64 / n as f64
-    });
+    let coverage =
+        s.frames.filter(|&n| n > 0).map(|n| 100.0 * n.saturating_sub(s.n_without_pose()) as f64 / n as f64);
     let state = match (&run.record, run.is_done()) {
         (None, _) => "pending",
         (Some(_), true) => "done",
