@@ -274,15 +274,22 @@ fn eliminate_point<O, const C: usize>(system: &mut System<O, C>, factor: &PointF
     let z = &system.z[first..end];
     for a in 0..z.len() {
         let pairs = &structure.pair_block[structure.slot_pairs[first + a] as usize..][..z.len() - a];
-        let za = &z[a];
+        let za = z[a];
         for (zb, &pair) in z[a..].iter().zip(pairs) {
-            let block = &mut system.matrix.blocks[pair as usize];
-            for r in 0..C {
-                for c in 0..C {
-                    block[r][c] -= zb[0][r] * za[0][c] + zb[1][r] * za[1][c] + zb[2][r] * za[2][c];
-                }
-            }
+            subtract_outer(&mut system.matrix.blocks[pair as usize], zb, &za);
         }
+    }
+}
+
+/// `block -= zb za^T`, both given transposed.
+#[inline(always)]
+fn subtract_outer<const C: usize>(block: &mut [[f64; C]; C], zb: &[[f64; C]; 3], za: &[[f64; C]; 3]) {
+    for r in 0..C {
+        let mut row = block[r];
+        for c in 0..C {
+            row[c] -= zb[0][r] * za[0][c] + zb[1][r] * za[1][c] + zb[2][r] * za[2][c];
+        }
+        block[r] = row;
     }
 }
 
@@ -302,13 +309,19 @@ impl<O, const C: usize> Kernel for BackSubstitute<'_, O, C> {
         let structure = &system.structure;
         let mut predicted = 0.0;
         for (point, factor) in system.points.iter().enumerate() {
-            let mut rest = factor.y;
+            let mut products = [[0.0; C]; 3];
             for slot in structure.point_slots[point] as usize..structure.point_slots[point + 1] as usize {
                 let (z, dx) = (&system.z[slot], &system.step[structure.slot_position[slot] as usize]);
-                for c in 0..C {
-                    for k in 0..3 {
-                        rest[k] -= z[k][c] * dx[c];
+                for k in 0..3 {
+                    for c in 0..C {
+                        products[k][c] += z[k][c] * dx[c];
                     }
+                }
+            }
+            let mut rest = factor.y;
+            for k in 0..3 {
+                for c in 0..C {
+                    rest[k] -= products[k][c];
                 }
             }
             let ([l10, l20, l21], [i0, i1, i2]) = (factor.lower, factor.inv_diagonal);

@@ -131,6 +131,15 @@ pub fn displaced(problem: &BundleProblem, seed: u64, sigma_m: f64, sigma_rad: f6
     out
 }
 
+/// The noisy stereo problem whose cost an independent solver has found: 20 cameras, 3000 points, sigma 0.5 px.
+pub fn reference_problem() -> BundleProblem {
+    let options =
+        StreetOptions { seed: 20, cameras: 20, points: 3000, max_track: 8, noise_px: 0.5, mono_share: 0.2 };
+    let mut truth = street(&options);
+    truth.fixed[0] = true;
+    displaced(&truth, 21, 0.05, 0.005, 0.2)
+}
+
 /// A frame at a known pose with `n` observations, of which the share `outliers` is anywhere in the image.
 pub fn frame(seed: u64, n: usize, noise_px: f64, outliers: f64, mono_share: f64) -> (SE3, Vec<PoseObservation>) {
     let mut random = random(seed);
