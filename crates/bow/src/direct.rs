@@ -1,0 +1,96 @@
+//! The direct index: which features of an image fall under which node of the vocabulary.
+
+/// Features by node at one level of the tree, for guided matching (Galvez-Lopez and Tardos, T-RO 2012, section IV).
+///
+/// Nodes ascend, and so do the features of each node; every feature stands under exactly one node.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DirectIndex {
+    nodes: Vec<u32>,
+    /// The features of `nodes[i]` end here in `features`, those of the next one follow.
+    ends: Vec<u32>,
+    features: Vec<u32>,
+}
+
+impl DirectIndex {
+    /// The index of features `0..` whose nodes are these.
+    #[must_use]
+    pub fn from_nodes(node_of_feature: &[u32]) -> Self {
+        let mut features: Vec<u32> = (0..node_of_feature.len() as u32).collect();
+        features.sort_by_key(|&feature| node_of_feature[feature as usize]);
+        let (mut nodes, mut ends) = (Vec::new(), Vec::new());
+        let mut end = 0;
+        let node_of = |feature: u32| node_of_feature[feature as usize];
+        for group in features.chunk_by(|&a, &b| node_of(a) == node_of(b)) {
+            end += group.len() as u32;
+            nodes.push(node_of(group[0]));
+            ends.push(end);
+        }
+        Self { nodes, ends, features }
+    }
+
+    /// Number of nodes that have features.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there is no feature at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// (node, its features), ascending nodes, ascending features.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &[u32])> + '_ {
+        self.nodes.iter().enumerate().map(|(i, &node)| (node, self.group(i)))
+    }
+
+    /// Features under a node; none for a node that does not occur.
+    #[must_use]
+    pub fn features_of(&self, node: u32) -> &[u32] {
+        self.nodes.binary_search(&node).map_or(&[], |i| self.group(i))
+    }
+
+    /// Pairs of feature groups of the nodes that both indices have, ascending nodes.
+    pub(crate) fn common<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = (&'a [u32], &'a [u32])> + 'a {
+        let mut j = 0;
+        self.iter().filter_map(move |(node, features)| {
+            j += other.nodes[j..].partition_point(|&n| n < node);
+            (other.nodes.get(j) == Some(&node)).then(|| (features, other.group(j)))
+        })
+    }
+
+    fn group(&self, i: usize) -> &[u32] {
+        let start = if i == 0 { 0 } else { self.ends[i - 1] };
+        &self.features[start as usize..self.ends[i] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn groups_of_a_small_image() {
+        let index = DirectIndex::from_nodes(&[5, 2, 5, 9, 2]);
+        let groups: Vec<_> = index.iter().collect();
+        assert_eq!(groups, [(2, &[1, 4][..]), (5, &[0, 2][..]), (9, &[3][..])]);
+        assert_eq!(index.features_of(5), [0, 2]);
+        assert!(index.features_of(3).is_empty());
+        assert_eq!(DirectIndex::from_nodes(&[]), DirectIndex::default());
+        assert!(DirectIndex::default().is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn common_nodes_are_those_of_both(a in prop::collection::vec(0u32..30, 0..40), b in prop::collection::vec(0u32..30, 0..40)) {
+            let (a, b) = (DirectIndex::from_nodes(&a), DirectIndex::from_nodes(&b));
+            let expected: Vec<_> = (0..30)
+                .map(|node| (a.features_of(node), b.features_of(node)))
+                .filter(|(x, y)| !x.is_empty() && !y.is_empty())
+                .collect();
+            prop_assert_eq!(a.common(&b).collect::<Vec<_>>(), expected);
+        }
+    }
+}
