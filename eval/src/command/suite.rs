@@ -86,10 +86,8 @@ pub(super) struct PlotArgs {
 
 pub(super) fn run(args: &RunArgs) -> Result<()> {
     let plan = read_plan(&args.suite)?;
-    let program = match &args.program {
-        Some(program) => program.clone(),
-        None => std::env::current_exe().context("the path of this program is unknown: give --program")?,
-    };
+    let this_program = std::env::current_exe().context("the path of this program is unknown")?;
+    let program = args.program.clone().unwrap_or_else(|| this_program.clone());
     let results = args.out.clone().unwrap_or_else(|| Path::new("results").join(&plan.name));
     let options = RunOptions {
         program,
@@ -99,7 +97,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         only: args.only.clone(),
     };
     if let Some(file) = &args.jobs_file {
-        let lines = job_lines(&plan, &std::path::absolute(&args.suite)?, &options)?;
+        let lines = job_lines(&plan, &std::path::absolute(&args.suite)?, &this_program, &options)?;
         write(file, &(lines.join("\n") + "\n"))?;
         println!("{} commands in {}", lines.len(), file.display());
         return Ok(());

@@ -81,16 +81,27 @@ pub fn run_suite(
 }
 
 /// One shell command per run for GNU parallel or a Slurm array: each runs its part of the suite into the same results.
+/// `evaluator` is this program, which calls `options.program` in its turn.
 ///
 /// # Errors
 /// `only` names no run.
-pub fn job_lines(plan: &Plan, suite_file: &Path, options: &RunOptions) -> Result<Vec<String>> {
+pub fn job_lines(
+    plan: &Plan,
+    suite_file: &Path,
+    evaluator: &Path,
+    options: &RunOptions,
+) -> Result<Vec<String>> {
     let quoted = |path: &Path| quote(&path.to_string_lossy());
-    let (program, suite, results) = (quoted(&options.program), quoted(suite_file), quoted(&options.results));
-    let line = |id: &RunId| {
-        let retry = if options.retry_failed { " --retry-failed" } else { "" };
-        format!("{program} eval run {suite} --out {results} --program {program} --only {id}{retry}")
-    };
+    let (suite, results) = (quoted(suite_file), quoted(&options.results));
+    let mut tail = String::new();
+    if options.program != evaluator {
+        tail += &format!(" --program {}", quoted(&options.program));
+    }
+    if options.retry_failed {
+        tail += " --retry-failed";
+    }
+    let line =
+        |id: &RunId| format!("{} eval run {suite} --out {results} --only {id}{tail}", quoted(evaluator));
     Ok(selected(plan, options.only.as_deref())?.iter().map(line).collect())
 }
 
