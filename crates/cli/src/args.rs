@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use synth::Preset;
 
 use crate::help;
 
@@ -30,7 +32,7 @@ pub(crate) enum Command {
     #[command(after_help = help::synth())]
     Synth(SynthArgs),
     /// Evaluates trajectories against ground truth, as tables and plots.
-
+    Eval(eval::command::EvalCommand),
     /// Prints the default configuration, or checks a configuration file.
     #[command(after_help = help::config())]
     Config(ConfigArgs),
@@ -103,30 +105,34 @@ pub(crate) struct SynthArgs {
     /// The course that is rendered.
     #[command(flatten)]
     pub(crate) world: WorldArgs,
+    /// Also writes masks/: what is moving, parked, sky or still in each pixel of the left image.
+    #[arg(long)]
+    pub(crate) masks: bool,
+    /// Also writes depth/: 16-bit depth of the left image, 256 per metre.
+    #[arg(long)]
+    pub(crate) depth: bool,
 }
 
 /// Which world is rendered and how far the camera drives.
 #[derive(Debug, Args)]
 pub(crate) struct WorldArgs {
     /// Kind of world.
-    #[arg(long, value_enum, default_value_t = PresetArg::Town)]
-    pub(crate) preset: PresetArg,
+    #[arg(long, default_value_t = Preset::Town, value_parser = preset_parser())]
+    pub(crate) preset: Preset,
     /// Number of stereo frames; by default all of the rounds.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) frames: Option<u32>,
     /// How often the closed course is driven.
-    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=100))]
-    pub(crate) rounds: Option<u32>,
+    #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) rounds: u32,
     /// Seed of the world: equal seeds give equal images.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
 }
 
-/// The worlds that can be rendered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PresetArg {
-    /// A closed course of streets between houses, with trees, poles, parked and moving cars.
-    Town,
+/// Reads the name of a preset; `--help` lists them.
+fn preset_parser() -> impl TypedValueParser<Value = Preset> {
+    PossibleValuesParser::new(Preset::ALL.map(Preset::name)).try_map(|name| name.parse::<Preset>())
 }
 
 /// Arguments of `dsslam config`.

@@ -74,7 +74,9 @@ fn write_results(
     folder.write("timings.csv", timings_csv(&outcome.timings).as_bytes())?;
     let errors = evaluation.and_then(|evaluation| evaluation.as_ref().ok());
     let figure = figure(&job.context.sequence, &outcome.frames, job.ground_truth, errors);
-    folder.write_with("trajectory.png", |path| save_png(path, &figure))?;
+    if figure.estimate.iter().any(Option::is_some) {
+        folder.write_with("trajectory.png", |path| save_png(path, &figure))?;
+    }
     let bytes = std::fs::read(&kitti).with_context(|| format!("{}: cannot be read back", kitti.display()))?;
     let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
     let summary = Summary::new(job.context.clone(), outcome, evaluation, sha256, job.watch.seconds());

@@ -12,13 +12,13 @@ mod exit;
 mod help;
 mod job;
 mod progress;
+mod render;
 mod report;
 mod results;
 mod run;
 mod setup;
 mod stop;
 mod summary;
-mod synth;
 mod trajectories;
 
 use std::process::ExitCode;
@@ -40,8 +40,8 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
     match command {
         Command::Run(args) => run::run(&args),
         Command::Demo(args) => demo::run(&args),
-        Command::Synth(args) => synth::run(&args),
-
+        Command::Synth(args) => render::run(&args),
+        Command::Eval(command) => command.run().or_input().map(|()| Exit::Done),
         Command::Config(args) => config::run(&args.action),
     }
 }

@@ -15,6 +15,10 @@ pub(crate) fn text(summary: &Summary, folder: &Path) -> String {
     errors(&mut text, summary);
     times(&mut text, summary);
     row(&mut text, "results", &folder.display().to_string());
+    let picture = folder.join("trajectory.png");
+    if picture.exists() {
+        row(&mut text, "picture", &picture.display().to_string());
+    }
     text
 }
 
@@ -25,10 +29,9 @@ fn row(text: &mut String, name: &str, value: &str) {
 
 fn counts(text: &mut String, s: &Summary) {
     let mut frames = format!("{} of {} with a pose", s.tracked, s.frames);
-    for (n, what) in [(s.lost, "lost"), (s.dropped, "dropped"), (s.not_ready, "before the map's start")] {
-        if n > 0 {
-            let _ = write!(frames, ", {n} {what}");
-        }
+    let _ = write!(frames, ", {} lost, {} dropped", s.lost, s.dropped);
+    if s.not_ready > 0 {
+        let _ = write!(frames, ", {} before the map's start", s.not_ready);
     }
     if s.interrupted {
         frames.push_str(" (interrupted)");

@@ -1,0 +1,48 @@
+//! `dsslam synth`: a rendered course as a dataset in KITTI's layout.
+
+use std::sync::atomic::Ordering;
+
+use indicatif::{ProgressBar, ProgressDrawTarget};
+use synth::{Continue, World, WriteOptions, write_kitti};
+
+use crate::args::{SynthArgs, WorldArgs};
+use crate::console;
+use crate::exit::{Exit, Failure, OrExit};
+use crate::stop;
+
+/// Renders the world and writes it.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub(crate) fn run(args: &SynthArgs) -> Result<Exit, Failure> {
+    let stop = stop::on_signal();
+    io::create_output_folder(&args.out).or_output()?;
+    let world = world(&args.world);
+    let n_frames = n_frames(&args.world, &world);
+    let bar = ProgressBar::with_draw_target(Some(n_frames as u64), ProgressDrawTarget::stderr());
+    let options = WriteOptions { max_frames: Some(n_frames), masks: args.masks, depth: args.depth };
+    let mut progress = |progress: synth::Progress| {
+        bar.set_position(progress.done as u64);
+        if stop.load(Ordering::Relaxed) { Continue::No } else { Continue::Yes }
+    };
+    let written = write_kitti(&world, &args.out, &options, &mut progress).or_output()?;
+    bar.finish_and_clear();
+    console::say(format!("{written} stereo frames of {} in {}", describe(&world), args.out.display()));
+    Ok(if written < n_frames { Exit::Interrupted } else { Exit::Done })
+}
+
+/// The world that the arguments describe.
+pub(crate) fn world(args: &WorldArgs) -> World {
+    World::new(args.preset, args.seed, args.rounds)
+}
+
+/// How many frames are wanted, at most the whole drive.
+pub(crate) fn n_frames(args: &WorldArgs, world: &World) -> usize {
+    args.frames.map_or(world.n_frames(), |n| world.n_frames().min(n as usize))
+}
+
+/// Preset, seed and length in words.
+pub(crate) fn describe(world: &World) -> String {
+    let course = if world.is_closed() { "closed course" } else { "street" };
+    format!("{} (seed {}, {course} of {:.0} m)", world.preset(), world.seed(), world.course_length_m())
+}

@@ -1,2 +1,0 @@
-//! 
-use crate::args::SynthArgs;use crate::exit::*; pub(crate) fn run(_a:&SynthArgs)->Result<Exit,Failure>{unimplemented!()}
