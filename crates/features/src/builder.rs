@@ -6,7 +6,7 @@ use crate::frame::{Frame, Rig};
 use crate::kernels::Simd;
 use crate::keypoint::{ExtractorConfig, Features, Keypoint};
 use crate::pyramid::Pyramid;
-use crate::stereo::{StereoConfig, StereoMatcher};
+use crate::stereo::{StereoConfig, StereoMatcher, StereoPair};
 use geometry::{DepthImage, GrayImage, Vec2};
 use std::sync::Arc;
 
@@ -48,7 +48,8 @@ impl FrameBuilder {
             },
         );
         let disparities = if same_size {
-            matcher.disparities(rig, &scales, &features.keypoints, extractor.pyramid(), right_pyramid)
+            let pair = StereoPair { left: extractor.pyramid(), right: right_pyramid, scales: &scales };
+            matcher.disparities(rig, pair, &features.keypoints)
         } else {
             vec![f32::NAN; features.keypoints.len()]
         };

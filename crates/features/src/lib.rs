@@ -3,6 +3,7 @@
 //! Start reading at [`FrameBuilder`] (images to a [`Frame`]), then [`Extractor`] (one image to [`Features`]) and
 //! [`search_window`] (a predicted position to a feature).
 
+mod align;
 mod brute_force;
 mod builder;
 mod depth;

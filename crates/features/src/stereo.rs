@@ -1,6 +1,12 @@
 //! Disparities of the left key-points by direct search in the right image; no features are extracted there.
+//!
+//! Per key-point: costs of its patch along the whole row at its octave, the best must stand out and be the best seen from the
+//! right image too; then alignment at full resolution. At the end matches with an unusually high residual are dropped.
 
+use crate::align::{self, Alignment, align};
 use crate::frame::Rig;
+use crate::kernels::Simd;
+use crate::kernels::sad::{self, costs_along_row};
 use crate::keypoint::Keypoint;
 use crate::plane::Plane;
 use crate::pyramid::Pyramid;
@@ -10,118 +16,160 @@ use rayon::prelude::*;
 /// How disparities are searched and which are believed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StereoConfig {
-    /// Nearest depth searched, metres; 0: four baselines.
+    /// Nearest depth searched, metres; 0: five baselines.
     pub min_depth_m: f64,
-    /// The best cost must be below this share of every other local minimum.
+    /// The best cost must be below this share of the best one farther than three pixels away (1: no such test).
     pub uniqueness: f32,
     /// Largest disagreement of the search back from the right image, pixels of the octave.
-    pub max_left_right_px: f32,
-    /// Matches with a cost of at least this multiple of the median are dropped.
-    pub max_cost_ratio: f32,
+    pub max_left_right_px: usize,
+    /// Matches with a residual of at least this multiple of the median are dropped.
+    pub max_residual_ratio: f32,
 }
 
 impl Default for StereoConfig {
     fn default() -> Self {
-        Self { min_depth_m: 0.0, uniqueness: 0.9, max_left_right_px: 1.0, max_cost_ratio: 2.1 }
+        Self { min_depth_m: 0.0, uniqueness: 0.8, max_left_right_px: 1, max_residual_ratio: 2.1 }
     }
 }
 
-/// Half side of the compared patches, pixels of the octave.
-const HALF: usize = 5;
+/// Places nearer than this to the best belong to the same minimum, pixels of the octave.
+const SAME_MINIMUM: usize = 3;
+/// Baselines of the nearest depth when none is configured.
+const NEAREST_BASELINES: f64 = 5.0;
 
 /// Matches patches along rows.
 #[derive(Debug)]
 pub(crate) struct StereoMatcher {
     config: StereoConfig,
+    simd: Simd,
 }
 
-/// A disparity in pixels of the octave and its cost.
-#[derive(Clone, Copy, Debug)]
-struct Found {
-    disparity: f32,
-    cost: u32,
+/// A left and a right image with the same size and scales.
+#[derive(Clone, Copy)]
+pub(crate) struct StereoPair<'a> {
+    pub(crate) left: &'a Pyramid,
+    pub(crate) right: &'a Pyramid,
+    pub(crate) scales: &'a ScaleLevels,
+}
+
+/// Scratch memory of one search.
+#[derive(Default)]
+struct Scratch {
+    sad: sad::Scratch,
+    costs: Vec<u16>,
 }
 
 impl StereoMatcher {
     pub(crate) fn new(config: StereoConfig) -> Self {
-        Self { config }
+        Self { config, simd: Simd::detect() }
     }
 
-    /// Disparity of each key-point in pixels of level 0; NaN where none is believed.
-    pub(crate) fn disparities(
-        &self,
-        rig: &Rig,
-        scales: &ScaleLevels,
-        keypoints: &[Keypoint],
-        left: &Pyramid,
-        right: &Pyramid,
-    ) -> Vec<f32> {
-        let min_depth =
-            if self.config.min_depth_m > 0.0 { self.config.min_depth_m } else { 4.0 * rig.stereo.baseline_m };
+    /// Disparity of each key-point in pixels of level 0, above zero; NaN where none is believed. Runs on the current rayon
+    /// pool; the result does not depend on the number of threads.
+    pub(crate) fn disparities(&self, rig: &Rig, pair: StereoPair<'_>, keypoints: &[Keypoint]) -> Vec<f32> {
+        let nearest = self.config.min_depth_m;
+        let min_depth = if nearest > 0.0 { nearest } else { NEAREST_BASELINES * rig.stereo.baseline_m };
         let max_disparity = (rig.stereo.bf() / min_depth) as f32;
-        let find = |k: &Keypoint| {
-            let octave = usize::from(k.octave);
-            let scale = scales.scales[octave];
-            let (left, right) = (left.levels().get(octave)?, right.levels().get(octave)?);
-            self.find(
-                left,
-                right,
-                (k.x / scale).round() as usize,
-                (k.y / scale).round() as usize,
-                max_disparity / scale,
-            )
+        let find = |scratch: &mut Scratch, keypoint: &Keypoint| {
+            let found = self.find(pair, keypoint, max_disparity, scratch)?;
+            (found.disparity > 0.0 && found.disparity < max_disparity).then_some(found)
         };
-        let found: Vec<Option<Found>> = keypoints.par_iter().with_min_len(64).map(find).collect();
-        let mut costs: Vec<u32> = found.iter().flatten().map(|f| f.cost).collect();
-        if costs.is_empty() {
+        let found: Vec<Option<Alignment>> =
+            keypoints.par_iter().with_min_len(32).map_init(Scratch::default, find).collect();
+        let mut residuals: Vec<f32> = found.iter().flatten().map(|f| f.residual).collect();
+        if residuals.is_empty() {
             return vec![f32::NAN; keypoints.len()];
         }
-        let middle = costs.len() / 2;
-        let median = *costs.select_nth_unstable(middle).1;
-        let believed = |f: &Found| (f.cost as f32) < self.config.max_cost_ratio * median as f32;
-        let disparity = |(k, f): (&Keypoint, &Option<Found>)| {
-            f.filter(believed).map_or(f32::NAN, |f| f.disparity * scales.scales[usize::from(k.octave)])
-        };
-        keypoints.iter().zip(&found).map(disparity).collect()
+        let middle = residuals.len() / 2;
+        let median = *residuals.select_nth_unstable_by(middle, f32::total_cmp).1;
+        // Residuals of perfect images are all zero.
+        let limit = (self.config.max_residual_ratio * median).max(1.0);
+        found.iter().map(|f| f.filter(|f| f.residual < limit).map_or(f32::NAN, |f| f.disparity)).collect()
     }
 
-    fn find(&self, left: &Plane, right: &Plane, x: usize, y: usize, max_disparity: f32) -> Option<Found> {
-        let fits = x >= HALF && y >= HALF && x + HALF < left.width() && y + HALF < left.height();
+    /// The disparity of one key-point at level 0.
+    fn find(
+        &self,
+        pair: StereoPair<'_>,
+        keypoint: &Keypoint,
+        max_disparity: f32,
+        scratch: &mut Scratch,
+    ) -> Option<Alignment> {
+        let octave = usize::from(keypoint.octave);
+        let scale = pair.scales.scales[octave];
+        let (left, right) = (&pair.left.levels()[octave], &pair.right.levels()[octave]);
+        let place = ((keypoint.x / scale).round() as usize, (keypoint.y / scale).round() as usize);
+        let coarse = self.search(left, right, place, (max_disparity / scale) as usize, scratch)?;
+
+        let (left, right) = (&pair.left.levels()[0], &pair.right.levels()[0]);
+        let (x, y) = (keypoint.x.round() as usize, keypoint.y.round() as usize);
+        let margin = align::MARGIN;
+        if x < margin || y < margin || x + margin >= left.width() || y + margin >= left.height() {
+            return None;
+        }
+        let mut fine = align(self.simd, left, right, (x, y), coarse * scale, scale)?;
+        // From the centre of the patch to the corner itself.
+        fine.disparity += fine.slope * (keypoint.y - y as f32);
+        Some(fine)
+    }
+
+    /// The disparity of a pixel in pixels of its level, by the whole row; to about a tenth of a pixel.
+    fn search(
+        &self,
+        left: &Plane,
+        right: &Plane,
+        (x, y): (usize, usize),
+        max_disparity: usize,
+        scratch: &mut Scratch,
+    ) -> Option<f32> {
+        let (width, height) = (left.width(), left.height());
+        let fits = x >= sad::LEFT && x + sad::LEFT < width && y >= sad::ABOVE && y + sad::ABOVE <= height;
         if !fits {
             return None;
         }
-        let n = (max_disparity as usize).min(x - HALF) + 1;
-        let costs: Vec<u32> = (0..n).map(|d| cost(left, right, x, x - d, y)).collect();
-        let best = (0..n).min_by_key(|&d| (costs[d], d))?;
-        let other = (0..n).filter(|d| d.abs_diff(best) > 2).map(|d| costs[d]).min();
-        if other.is_some_and(|other| costs[best] as f32 >= self.config.uniqueness * other as f32) {
-            return None;
-        }
+        // From the largest disparity to minus one: places in the right image from left to right.
+        let first = x.saturating_sub(max_disparity).max(sad::LEFT);
+        let n = x + 2 - first;
+        let Scratch { sad, costs } = scratch;
+        costs_along_row(self.simd, (left, x, y), (right, first, n), sad, costs);
+        let best = nearest_minimum(costs);
         if best == 0 || best + 1 == n {
             return None;
         }
-        let right_x = x - best;
-        let m = (max_disparity as usize).min(left.width() - 1 - HALF - right_x) + 1;
-        let back = (0..m).min_by_key(|&d| (cost(left, right, right_x + d, right_x, y), d))?;
-        if back.abs_diff(best) as f32 > self.config.max_left_right_px {
+        let lowest = |costs: &[u16]| costs.iter().copied().min().unwrap_or(u16::MAX);
+        let beyond = (best + SAME_MINIMUM + 1).min(n);
+        let other = lowest(&costs[..best.saturating_sub(SAME_MINIMUM)]).min(lowest(&costs[beyond..]));
+        if f32::from(costs[best]) >= self.config.uniqueness * f32::from(other) {
             return None;
         }
-        let [before, centre, after] = [costs[best - 1], costs[best], costs[best + 1]].map(|c| c as f32);
-        let delta = 0.5 * (before - after) / (before + after - 2.0 * centre);
-        (delta.abs() <= 1.0).then_some(Found { disparity: best as f32 + delta, cost: costs[best] })
+        let fraction = vertex(costs[best - 1], costs[best], costs[best + 1]);
+        let right_x = first + best;
+        let disparity = x as f32 - right_x as f32 - fraction;
+
+        let back_first = right_x.saturating_sub(1).max(sad::LEFT);
+        let back_end = (right_x + max_disparity + 1).min(width + 1 - sad::LEFT);
+        costs_along_row(
+            self.simd,
+            (right, right_x, y),
+            (left, back_first, back_end - back_first),
+            sad,
+            costs,
+        );
+        let back = back_first + nearest_minimum(costs);
+        (back.abs_diff(x) <= self.config.max_left_right_px).then_some(disparity)
     }
 }
 
-/// Sum of absolute differences of two patches, each without its centre value.
-fn cost(left: &Plane, right: &Plane, left_x: usize, right_x: usize, y: usize) -> u32 {
-    let bias = i32::from(left.at(left_x, y)) - i32::from(right.at(right_x, y));
-    let mut sum = 0;
-    for row in y - HALF..=y + HALF {
-        let a = &left.row(row)[left_x - HALF..=left_x + HALF];
-        let b = &right.row(row)[right_x - HALF..=right_x + HALF];
-        for (p, q) in a.iter().zip(b) {
-            sum += (i32::from(*p) - i32::from(*q) - bias).unsigned_abs();
-        }
-    }
-    sum
+/// Index of the lowest cost, the last of equals: the smallest disparity.
+fn nearest_minimum(costs: &[u16]) -> usize {
+    let lowest = costs.iter().copied().min().unwrap_or(0);
+    costs.iter().rposition(|&c| c == lowest).unwrap_or(0)
+}
+
+/// Position of the minimum between three costs, the middle one lowest, of two lines of equal and opposite slope (the form of
+/// sums of absolute differences); within half a pixel.
+fn vertex(before: u16, middle: u16, after: u16) -> f32 {
+    let (before, middle, after) = (f32::from(before), f32::from(middle), f32::from(after));
+    let rise = before.max(after) - middle;
+    if rise > 0.0 { 0.5 * (before - after) / rise } else { 0.0 }
 }

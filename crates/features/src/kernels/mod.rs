@@ -8,6 +8,7 @@ pub(crate) mod dispatch;
 pub(crate) mod fast;
 pub(crate) mod moments;
 pub(crate) mod resize;
+pub(crate) mod sad;
 
 #[cfg(test)]
 mod tests;

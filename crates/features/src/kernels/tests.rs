@@ -1,6 +1,6 @@
 //! Every vector kernel against its scalar twin, bit for bit, on random images of odd sizes.
 
-use super::{Simd, blur, brief, fast, moments, resize::Resizer};
+use super::{Simd, blur, brief, fast, moments, resize::Resizer, sad};
 use crate::detect::rows_around;
 use crate::plane::Plane;
 use geometry::GrayImage;
@@ -69,6 +69,23 @@ proptest! {
         let square = |simd| fast::score_square(simd, &std::array::from_fn(|i| source.row(i)), x);
         prop_assert_eq!(square(Simd::scalar()), square(Simd::detect()));
         prop_assert_eq!(square(Simd::detect())[1][1], fast::score_at(&rows_around(&source, 4), x));
+    }
+
+    #[test]
+    fn costs_are_equal(width in 18usize..160, contrast: u8, brighter in 0u8..60, seed: u64) {
+        let image = textured(30, 11, contrast, seed);
+        let mut other = textured(width, 11, contrast, seed ^ 1);
+        for value in other.row_mut(5) {
+            *value = value.saturating_add(brighter);
+        }
+        let costs = |simd| {
+            let mut costs = Vec::new();
+            let strip = (&other, 8, width - 15);
+            sad::costs_along_row(simd, (&image, 11, 5), strip, &mut sad::Scratch::default(), &mut costs);
+            costs
+        };
+        prop_assert_eq!(costs(Simd::scalar()).len(), width - 15);
+        prop_assert_eq!(costs(Simd::scalar()), costs(Simd::detect()));
     }
 
     #[test]

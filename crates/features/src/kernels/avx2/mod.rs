@@ -6,6 +6,7 @@ pub(crate) mod brief;
 pub(crate) mod fast;
 pub(crate) mod moments;
 pub(crate) mod resize;
+pub(crate) mod sad;
 
 use std::arch::x86_64::{__m256i, _mm256_loadu_si256, _mm256_storeu_si256};
 
