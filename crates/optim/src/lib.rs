@@ -3,6 +3,9 @@
 //! Both are Levenberg-Marquardt with Huber's loss. Nothing here knows of maps, key-frames or threads: a caller collects a
 //! problem into plain vectors, solves it and writes the answer back. Equal input gives equal bits.
 
+#![allow(clippy::needless_range_loop, reason = "small matrices read best by their indices")]
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a negated comparison is how NaN is refused")]
+
 mod bundle;
 mod pose;
 mod report;

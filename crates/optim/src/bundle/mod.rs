@@ -3,6 +3,7 @@
 pub(crate) mod cholesky;
 pub(crate) mod model;
 pub(crate) mod ordering;
+mod point;
 pub(crate) mod rig;
 pub(crate) mod schur;
 pub(crate) mod solver;

@@ -6,35 +6,16 @@
 
 use super::cholesky::BlockCholesky;
 use super::model::{Linearization, ObservationModel, Point};
+use super::point::{PointFactor, damping_scale};
 use super::structure::{NONE, Structure};
 use crate::robust::{BEHIND_CHI_SQ, Loss};
 use crate::simd::{Kernel, Lanes};
-
-/// Range of the damping's diagonal, so that unobserved directions stay solvable.
-const MIN_DIAGONAL: f64 = 1e-6;
-const MAX_DIAGONAL: f64 = 1e32;
-/// A pivot this small against its diagonal holds no information: the point stays where it is.
-const MIN_PIVOT_RATIO: f64 = 1e-13;
 
 /// Cameras and points under estimation.
 #[derive(Clone)]
 pub(crate) struct Estimate<K> {
     pub(crate) cameras: Vec<K>,
     pub(crate) points: Vec<Point>,
-}
-
-/// Cholesky factor of one point's block.
-#[derive(Clone, Copy, Default)]
-struct PointFactor {
-    /// L below the diagonal: 10, 20, 21.
-    lower: [f64; 3],
-    /// Inverse of its diagonal; all zero freezes the point.
-    inv_diagonal: [f64; 3],
-    /// -L^-1 times the point's gradient.
-    y: [f64; 3],
-    gradient: [f64; 3],
-    /// Damping added to the diagonal.
-    damping: [f64; 3],
 }
 
 /// The damped normal equations of a problem and their solution.
@@ -162,7 +143,7 @@ impl<M: ObservationModel<C>, const C: usize> Kernel for Linearize<'_, M, C> {
         system.step.fill([0.0; C]);
         for point in 0..system.points.len() {
             let (block, gradient) = gather_point(system, model, at, loss, point);
-            let factor = factor_point(&block, &gradient, lambda);
+            let factor = PointFactor::new(&block, &gradient, lambda);
             system.points[point] = factor;
             eliminate_point(system, &factor, point);
         }
@@ -173,7 +154,7 @@ impl<M: ObservationModel<C>, const C: usize> Kernel for Linearize<'_, M, C> {
                 for c in 0..C {
                     target[r][c] += block[r][c];
                 }
-                let damping = lambda * block[r][r].clamp(MIN_DIAGONAL, MAX_DIAGONAL);
+                let damping = lambda * damping_scale(block[r][r]);
                 system.damping[position][r] = damping;
                 target[r][r] += damping;
                 system.step[position][r] -= system.gradient[position][r];
@@ -227,49 +208,19 @@ fn gather_point<M: ObservationModel<C>, const C: usize>(
     (block, gradient)
 }
 
-/// Damps and factors a point's block.
-#[inline(always)]
-fn factor_point(block: &[f64; 6], gradient: &[f64; 3], lambda: f64) -> PointFactor {
-    let [b00, b10, b11, b20, b21, b22] = *block;
-    let damping = [b00, b11, b22].map(|d| lambda * d.clamp(MIN_DIAGONAL, MAX_DIAGONAL));
-    let (d0, d1, d2) = (b00 + damping[0], b11 + damping[1], b22 + damping[2]);
-    let i0 = 1.0 / d0.sqrt();
-    let (l10, l20) = (b10 * i0, b20 * i0);
-    let p1 = d1 - l10 * l10;
-    let i1 = 1.0 / p1.sqrt();
-    let l21 = (b21 - l20 * l10) * i1;
-    let p2 = d2 - l20 * l20 - l21 * l21;
-    let i2 = 1.0 / p2.sqrt();
-    if !(p1 > MIN_PIVOT_RATIO * d1 && p2 > MIN_PIVOT_RATIO * d2) {
-        return PointFactor::default();
-    }
-    let y0 = -gradient[0] * i0;
-    let y1 = (-gradient[1] - l10 * y0) * i1;
-    let y2 = (-gradient[2] - l20 * y0 - l21 * y1) * i2;
-    PointFactor {
-        lower: [l10, l20, l21],
-        inv_diagonal: [i0, i1, i2],
-        y: [y0, y1, y2],
-        gradient: *gradient,
-        damping,
-    }
-}
-
 /// Turns W into Z and subtracts Z Z^T and Z y from the reduced system.
 #[inline(always)]
 fn eliminate_point<O, const C: usize>(system: &mut System<O, C>, factor: &PointFactor, point: usize) {
     let structure = &system.structure;
     let (first, end) = (structure.point_slots[point] as usize, structure.point_slots[point + 1] as usize);
-    let ([l10, l20, l21], [i0, i1, i2], y) = (factor.lower, factor.inv_diagonal, &factor.y);
+    let y = &factor.y;
     for slot in first..end {
-        let [z0, z1, z2] = &mut system.z[slot];
+        let z = factor.solve_lower(&system.z[slot]);
         let rhs = &mut system.step[structure.slot_position[slot] as usize];
         for c in 0..C {
-            z0[c] *= i0;
-            z1[c] = (z1[c] - l10 * z0[c]) * i1;
-            z2[c] = (z2[c] - l20 * z0[c] - l21 * z1[c]) * i2;
-            rhs[c] -= z0[c] * y[0] + z1[c] * y[1] + z2[c] * y[2];
+            rhs[c] -= z[0][c] * y[0] + z[1][c] * y[1] + z[2][c] * y[2];
         }
+        system.z[slot] = z;
     }
     let z = &system.z[first..end];
     for a in 0..z.len() {
@@ -324,13 +275,10 @@ impl<O, const C: usize> Kernel for BackSubstitute<'_, O, C> {
                     rest[k] -= products[k][c];
                 }
             }
-            let ([l10, l20, l21], [i0, i1, i2]) = (factor.lower, factor.inv_diagonal);
-            let d2 = rest[2] * i2;
-            let d1 = (rest[1] - l21 * d2) * i1;
-            let d0 = (rest[0] - l10 * d1 - l20 * d2) * i0;
-            for (k, d) in [d0, d1, d2].into_iter().enumerate() {
-                to[point][k] = from[point][k] + d;
-                predicted += 0.5 * d * (factor.damping[k] * d - factor.gradient[k]);
+            let step = factor.solve_upper(&rest);
+            for k in 0..3 {
+                to[point][k] = from[point][k] + step[k];
+                predicted += 0.5 * step[k] * (factor.damping[k] * step[k] - factor.gradient[k]);
             }
         }
         predicted

@@ -87,18 +87,9 @@ impl Packs {
 
     /// Per observation whether its error lies within `factor` times its chi-square limit.
     pub(super) fn within(&self, cam_from_world: &SE3, factor: f64) -> Vec<bool> {
-        let camera = Camera::new(cam_from_world);
-        let mut out = Vec::with_capacity(self.n + 3);
-        for pack in &self.packs {
-            let residual = self.residual(pack, &camera);
-            let is_within = |l: usize| {
-                let limit = pack.limit.0[l];
-                limit > 0.0 && residual.defined.0[l] > 0.0 && residual.chi_sq.0[l] <= factor * limit
-            };
-            out.extend((0..4).map(is_within));
-        }
-        out.truncate(self.n);
-        out
+        let mut within = self.lanes.run(WithinKernel { packs: self, camera: Camera::new(cam_from_world), factor });
+        within.truncate(self.n);
+        within
     }
 
     #[inline(always)]
@@ -225,6 +216,30 @@ impl Kernel for NormalKernel<'_> {
                 [b[2][0], b[2][1], b[2][2], c20, c21, c22],
             ],
         }
+    }
+}
+
+struct WithinKernel<'a> {
+    packs: &'a Packs,
+    camera: Camera,
+    factor: f64,
+}
+
+impl Kernel for WithinKernel<'_> {
+    type Output = Vec<bool>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<bool> {
+        let Self { packs, camera, factor } = self;
+        let mut out = vec![false; 4 * packs.packs.len()];
+        for (pack, out) in packs.packs.iter().zip(out.chunks_exact_mut(4)) {
+            let Residual { chi_sq, defined, .. } = packs.residual(pack, &camera);
+            for l in 0..4 {
+                let limit = pack.limit.0[l];
+                out[l] = limit > 0.0 && defined.0[l] > 0.0 && chi_sq.0[l] <= factor * limit;
+            }
+        }
+        out
     }
 }
 
