@@ -60,7 +60,7 @@ fn detect(path: &Path) -> Result<Format> {
     if line.contains(',') {
         return Ok(Format::Euroc);
     }
-    match line.split_whitespace().count() {
+    match line.split_ascii_whitespace().count() {
         8 => Ok(Format::Tum),
         12 | 13 => Ok(Format::Kitti),
         n => bail!(
@@ -77,7 +77,7 @@ fn read_kitti(path: &Path) -> Result<TrajectoryFile> {
     let mut columns = None;
     for (number, line) in data_lines(&text) {
         let place = || format!("{}:{number}", path.display());
-        let values = numbers(line.split_whitespace()).with_context(place)?;
+        let values = numbers(line.split_ascii_whitespace()).with_context(place)?;
         let n_columns = *columns.get_or_insert(values.len());
         ensure!(
             matches!(values.len(), 12 | 13) && values.len() == n_columns,
@@ -132,7 +132,7 @@ fn read_timed(path: &Path, format: Format) -> Result<TrajectoryFile> {
 }
 
 fn tum_row(line: &str) -> Result<StampedPose> {
-    let v = numbers(line.split_whitespace())?;
+    let v = numbers(line.split_ascii_whitespace())?;
     ensure!(v.len() == 8, "found {} numbers, expected 8 (timestamp tx ty tz qx qy qz qw)", v.len());
     stamped(v[0], [v[1], v[2], v[3]], [v[7], v[4], v[5], v[6]])
 }

@@ -83,7 +83,7 @@ pub fn rpe(est: &[SE3], gt: &[SE3], options: &RpeOptions) -> Result<RpeReport> {
         let est_i_from_j = est[i].inverse() * est[j];
         let error = gt_i_from_j.inverse() * est_i_from_j;
         translation_errors.push(error.translation.norm());
-        rotation_errors.push(error.rotation.orthonormalized().angle().to_degrees());
+        rotation_errors.push(error.rotation.angle().to_degrees());
     }
     let too_short = || {
         let unit = if options.unit == DeltaUnit::Frames { "frames" } else { "m" };
