@@ -81,7 +81,7 @@ pub fn fast9(image: &GrayImage, threshold: u8) -> Result<Vec<(usize, usize, f32)
 }
 
 /// A matrix header over the image's own bytes.
-fn view(image: &GrayImage) -> Result<core::BoxedRef<'_, Mat>> {
+fn view(image: &GrayImage) -> Result<opencv::boxed_ref::BoxedRef<'_, Mat>> {
     Mat::new_rows_cols_with_data(i32::try_from(image.height)?, i32::try_from(image.width)?, &image.data)
 }
 
