@@ -9,10 +9,13 @@ use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use features::{
-    DepthConfig, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, Rig, StereoConfig, search_windows,
+    DepthConfig, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, Rig, StereoConfig,
+    search_windows,
 };
 use geometry::{GrayImage, SE3, Vec3, Vec6};
-use optim::{BundleObservation, BundleOptions, BundleProblem, PoseObservation, PoseOptions, refine_bundle, refine_pose};
+use optim::{
+    BundleObservation, BundleOptions, BundleProblem, PoseObservation, PoseOptions, refine_bundle, refine_pose,
+};
 
 /// Two successive stereo pairs with their camera.
 struct Input {
@@ -86,8 +89,9 @@ fn bundle_problem(frame: &Frame) -> BundleProblem {
     const N_CAMERAS: usize = 12;
     let rig = frame.rig.stereo;
     let points: Vec<Vec3> = (0..frame.len()).filter_map(|i| frame.unproject(i)).collect();
-    let truth: Vec<SE3> =
-        (0..N_CAMERAS).map(|i| SE3::exp(&Vec6::new(0.0, 0.0, -0.6 * i as f64, 0.0, 0.002 * i as f64, 0.0))).collect();
+    let truth: Vec<SE3> = (0..N_CAMERAS)
+        .map(|i| SE3::exp(&Vec6::new(0.0, 0.0, -0.6 * i as f64, 0.0, 0.002 * i as f64, 0.0)))
+        .collect();
     // A cheap repeatable disturbance in [-0.5, 0.5).
     let disturb = |a: usize, b: usize| ((a * 7919 + b * 104_729) % 1000) as f64 / 1000.0 - 0.5;
     let mut observations = Vec::new();
@@ -95,7 +99,8 @@ fn bundle_problem(frame: &Frame) -> BundleProblem {
         for (point, position) in points.iter().enumerate() {
             let point_cam = *cam_from_world * *position;
             let seen = rig.project(&point_cam);
-            let inside = (0.0..frame.rig.width as f64).contains(&seen.x) && (0.0..frame.rig.height as f64).contains(&seen.y);
+            let inside = (0.0..frame.rig.width as f64).contains(&seen.x)
+                && (0.0..frame.rig.height as f64).contains(&seen.y);
             if point_cam.z > 1.0 && inside {
                 observations.push(BundleObservation {
                     camera: camera as u32,
@@ -107,10 +112,16 @@ fn bundle_problem(frame: &Frame) -> BundleProblem {
             }
         }
     }
-    let moved = |i: usize| SE3::exp(&Vec6::new(disturb(i, 1), disturb(i, 2), disturb(i, 3), 0.0, 0.0, 0.0).scale(0.1));
+    let moved = |i: usize| {
+        SE3::exp(&Vec6::new(disturb(i, 1), disturb(i, 2), disturb(i, 3), 0.0, 0.0, 0.0).scale(0.1))
+    };
     BundleProblem {
         rig,
-        cameras: truth.iter().enumerate().map(|(i, pose)| if i < 2 { *pose } else { moved(i) * *pose }).collect(),
+        cameras: truth
+            .iter()
+            .enumerate()
+            .map(|(i, pose)| if i < 2 { *pose } else { moved(i) * *pose })
+            .collect(),
         fixed: (0..N_CAMERAS).map(|i| i < 2).collect(),
         points: points.iter().enumerate().map(|(i, p)| p * (1.0 + 0.02 * disturb(i, 9))).collect(),
         observations,
@@ -124,7 +135,9 @@ fn stages(criterion: &mut Criterion) {
     };
     let left = &input.pairs[0][0];
     let mut orb = cv::Orb::new(2000).unwrap();
-    criterion.bench_function("opencv_orb_2000 (U)", |b| b.iter(|| orb.detect_and_compute(black_box(left)).unwrap()));
+    criterion.bench_function("opencv_orb_2000 (U)", |b| {
+        b.iter(|| orb.detect_and_compute(black_box(left)).unwrap())
+    });
     let mut extractor = Extractor::new(ExtractorConfig::default());
     criterion.bench_function("extract_2000", |b| b.iter(|| extractor.extract(black_box(left))));
     let mut builder = input.builder();
@@ -145,8 +158,13 @@ fn stages(criterion: &mut Criterion) {
         });
     });
     let problem = bundle_problem(&frames[0]);
-    let name = format!("refine_bundle ({} cameras, {} observations)", problem.cameras.len(), problem.observations.len());
-    criterion.bench_function(&name, |b| b.iter(|| refine_bundle(black_box(&problem), &BundleOptions::default())));
+    let name = format!(
+        "refine_bundle ({} cameras, {} observations)",
+        problem.cameras.len(),
+        problem.observations.len()
+    );
+    criterion
+        .bench_function(&name, |b| b.iter(|| refine_bundle(black_box(&problem), &BundleOptions::default())));
 }
 
 /// All of it on one thread.

@@ -1,6 +1,11 @@
 //! The whole tracking step (decoded images to pose, mapping running) in units of U, OpenCV's ORB of one image timed in the
 //! same process. `DSSLAM_DATA=... cargo bench -p tests --bench tracking`
-#![allow(clippy::disallowed_methods, clippy::print_stdout, clippy::unwrap_used, reason = "a benchmark: it measures and prints")]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "a benchmark: it measures and prints"
+)]
 
 use std::path::Path;
 use std::sync::Arc;
@@ -35,7 +40,8 @@ fn main() {
         println!("skipped: DSSLAM_DATA is not set");
         return;
     };
-    let sequence = io::open_sequence(&Path::new(&data).join("kitti06_first51"), Some(io::Sensor::Stereo)).unwrap();
+    let sequence =
+        io::open_sequence(&Path::new(&data).join("kitti06_first51"), Some(io::Sensor::Stereo)).unwrap();
     let calibration = sequence.calibration.clone().unwrap();
     let image = io::load_gray(&sequence.frames[0].left).unwrap();
     let close_depth_m = 40.0 * calibration.rig.baseline_m;
@@ -59,5 +65,10 @@ fn main() {
     let (unit_ms, track) = (median(units), outcome.timings.summary("track").unwrap());
     let threads = rayon::current_num_threads();
     println!("U = {unit_ms:.2} ms (OpenCV ORB, 2000 features, one thread)");
-    println!("track: median {:.2} ms = {:.2} U, p95 {:.2} ms, {threads} threads", track.median, track.median / unit_ms, track.p95);
+    println!(
+        "track: median {:.2} ms = {:.2} U, p95 {:.2} ms, {threads} threads",
+        track.median,
+        track.median / unit_ms,
+        track.p95
+    );
 }

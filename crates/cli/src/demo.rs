@@ -55,7 +55,11 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let (width, height) = world.image_size();
     let size = ImageSize { width, height };
     let setup = setup::from_config(&config, Sensor::Stereo, size, Path::new(name)).or_input()?;
-    console::note(format!("rendering {} stereo frames of {} and running on them", feed.len, render::describe(&world)));
+    console::note(format!(
+        "rendering {} stereo frames of {} and running on them",
+        feed.len,
+        render::describe(&world)
+    ));
     for notice in &notices {
         console::note(console::warning(notice));
     }
@@ -63,7 +67,12 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
         feed: &feed,
         config_yaml: config.to_yaml(),
         ground_truth: Some(&ground_truth(&world, feed.len)),
-        context: Context { sequence: name.to_owned(), sensor: Sensor::Stereo, seed: setup.slam.seed, notices },
+        context: Context {
+            sequence: name.to_owned(),
+            sensor: Sensor::Stereo,
+            seed: setup.slam.seed,
+            notices,
+        },
         setup,
         folder,
         watch,
@@ -77,6 +86,7 @@ fn calibration(world: &World) -> Calibration {
 
 /// The exact poses of the first `n` frames.
 fn ground_truth(world: &World, n: usize) -> Trajectory {
-    let pose = |i: usize| StampedPose { timestamp_s: world.timestamp_s(i), world_from_cam: world.world_from_cam(i) };
+    let pose =
+        |i: usize| StampedPose { timestamp_s: world.timestamp_s(i), world_from_cam: world.world_from_cam(i) };
     Trajectory { poses: (0..n).map(pose).collect() }
 }

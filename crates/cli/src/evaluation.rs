@@ -55,9 +55,11 @@ pub(crate) fn evaluate(records: &[FrameRecord], truth: &Trajectory, sensor: Sens
 
 /// The run's frames that have a true pose: the estimate, where there is one, and the truth.
 fn per_frame(records: &[FrameRecord], truth: &Trajectory) -> Result<(Vec<Option<SE3>>, Vec<SE3>)> {
-    let stamped = |r: &FrameRecord| StampedPose { timestamp_s: r.timestamp_s, world_from_cam: SE3::identity() };
+    let stamped =
+        |r: &FrameRecord| StampedPose { timestamp_s: r.timestamp_s, world_from_cam: SE3::identity() };
     let times = Trajectory { poses: records.iter().map(stamped).collect() };
-    let pairs = eval::associate(&times, truth, Association::Timestamp { tolerance_s: TIMESTAMP_TOLERANCE_S })?;
+    let pairs =
+        eval::associate(&times, truth, Association::Timestamp { tolerance_s: TIMESTAMP_TOLERANCE_S })?;
     let est = pairs.est_indices.iter().map(|&i| own_pose(&records[i])).collect();
     Ok((est, pairs.gt))
 }

@@ -107,7 +107,11 @@ fn figure(
     TrajectoryFigure {
         title,
         estimate: records.iter().map(position).collect(),
-        ground_truth: if errors.is_some() { driven.map(|p| p.world_from_cam.translation).collect() } else { Vec::new() },
+        ground_truth: if errors.is_some() {
+            driven.map(|p| p.world_from_cam.translation).collect()
+        } else {
+            Vec::new()
+        },
         view: View::Top,
     }
 }

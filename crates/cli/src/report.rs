@@ -85,7 +85,9 @@ fn group(frames: &[WithoutPose]) -> Vec<String> {
         let state = first.state.replace('_', " ");
         Some(match run.len() {
             1 => format!("frame {} {state}: {}", first.frame, first.reason),
-            n => format!("frames {} to {} {state}: {}", first.frame, first.frame + n as u32 - 1, first.reason),
+            n => {
+                format!("frames {} to {} {state}: {}", first.frame, first.frame + n as u32 - 1, first.reason)
+            }
         })
     };
     frames.chunk_by(follows).filter_map(line).collect()

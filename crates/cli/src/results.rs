@@ -106,7 +106,11 @@ fn new_subfolder(results: &Path, sequence: &str) -> Result<PathBuf> {
 fn safe_name(sequence: &str) -> String {
     let safe = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
     let name: String = sequence.chars().map(safe).collect();
-    if name.trim_matches('.').is_empty() || name == "latest" { format!("sequence_{}", name.replace('.', "")) } else { name }
+    if name.trim_matches('.').is_empty() || name == "latest" {
+        format!("sequence_{}", name.replace('.', ""))
+    } else {
+        name
+    }
 }
 
 #[cfg(test)]
@@ -153,7 +157,9 @@ mod tests {
 
     #[test]
     fn names_become_folder_names() {
-        for (name, expected) in [("kitti/06", "kitti_06"), ("..", "sequence_"), ("latest", "sequence_latest"), ("a b", "a_b")] {
+        for (name, expected) in
+            [("kitti/06", "kitti_06"), ("..", "sequence_"), ("latest", "sequence_latest"), ("a b", "a_b")]
+        {
             assert_eq!(safe_name(name), expected);
         }
     }

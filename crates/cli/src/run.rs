@@ -39,7 +39,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
         feed: &feed,
         config_yaml: config.to_yaml(),
         ground_truth: sequence.ground_truth.as_ref(),
-        context: Context { sequence: sequence.name.clone(), sensor: sequence.sensor, seed: setup.slam.seed, notices },
+        context: Context {
+            sequence: sequence.name.clone(),
+            sensor: sequence.sensor,
+            seed: setup.slam.seed,
+            notices,
+        },
         setup,
         folder,
         watch,

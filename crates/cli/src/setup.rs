@@ -44,7 +44,8 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
     };
     let camera = config.camera_in_force(dataset, sensor)?;
     let close_depth_m = config.stereo.close_depth_baselines * camera.rig.baseline_m;
-    let rig = Rig { stereo: camera.rig, distortion: camera.distortion, width: size.width, height: size.height };
+    let rig =
+        Rig { stereo: camera.rig, distortion: camera.distortion, width: size.width, height: size.height };
     Ok(Setup {
         sensor: run_sensor,
         extractor: extractor(&config.features),
@@ -71,8 +72,13 @@ fn slam_params(config: &Config, sensor: runtime::Sensor, close_depth_m: f64) -> 
         runtime::Sensor::Stereo => Params::stereo(close_depth_m, config.camera.fps),
         runtime::Sensor::Rgbd => Params::rgbd(close_depth_m, config.camera.fps),
     };
-    let TrackingSettings { init_min_features, min_inliers, keyframe_ratio, close_tracked_min, close_untracked_max } =
-        config.tracking;
+    let TrackingSettings {
+        init_min_features,
+        min_inliers,
+        keyframe_ratio,
+        close_tracked_min,
+        close_untracked_max,
+    } = config.tracking;
     params.tracking.min_initial_depths = init_min_features;
     params.tracking.min_inliers = min_inliers;
     params.tracking.keyframe_ratio = keyframe_ratio;
@@ -101,14 +107,21 @@ mod tests {
     const SIZE: ImageSize = ImageSize { width: 640, height: 480 };
 
     fn config(extra: &[&str]) -> Config {
-        let camera = ["camera.fx=500", "camera.fy=500", "camera.cx=320", "camera.cy=240", "camera.baseline_m=0.5"];
+        let camera =
+            ["camera.fx=500", "camera.fy=500", "camera.cx=320", "camera.cy=240", "camera.baseline_m=0.5"];
         let overrides: Vec<String> = camera.iter().chain(extra).map(|s| (*s).to_owned()).collect();
         Config::load(None, &overrides).unwrap()
     }
 
     #[test]
     fn overrides_reach_the_setup() {
-        let extra = ["features.keep=777", "tracking.min_inliers=31", "mapping.neighbours=12", "seed=9", "camera.fps=25"];
+        let extra = [
+            "features.keep=777",
+            "tracking.min_inliers=31",
+            "mapping.neighbours=12",
+            "seed=9",
+            "camera.fps=25",
+        ];
         let setup = from_config(&config(&extra), Sensor::Stereo, SIZE, Path::new("x")).unwrap();
         assert_eq!(setup.extractor.keep, 777);
         assert_eq!(setup.slam.tracking.min_inliers, 31);

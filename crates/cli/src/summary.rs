@@ -141,7 +141,9 @@ impl Summary {
             r_rel_deg_per_100m: errors.and_then(|e| e.drift.r_rel_deg_per_100m),
             path_m: errors.map(|e| e.path_m),
             end_error_percent: errors.and_then(Evaluation::end_error_percent),
-            evaluation_problem: evaluation.and_then(|e| e.as_ref().err()).map(|problem| format!("{problem:#}")),
+            evaluation_problem: evaluation
+                .and_then(|e| e.as_ref().err())
+                .map(|problem| format!("{problem:#}")),
             stages: stage_times(&outcome.timings),
             track_ms_median: outcome.timings.summary("track").map(|track| track.median),
             wall_s,
@@ -194,7 +196,8 @@ pub(crate) fn timings_csv(timings: &Timings) -> String {
     let mut text = format!("frame,{}\n", stages.join(","));
     for row in &timings.rows {
         let cell = |stage: &&str| {
-            let times: Vec<f64> = row.stages.iter().filter(|(name, _)| name == stage).map(|(_, ms)| *ms).collect();
+            let times: Vec<f64> =
+                row.stages.iter().filter(|(name, _)| name == stage).map(|(_, ms)| *ms).collect();
             if times.is_empty() { String::new() } else { format!("{:.3}", times.iter().sum::<f64>()) }
         };
         let cells: Vec<String> = stages.iter().map(cell).collect();
@@ -222,6 +225,9 @@ mod tests {
             FrameTimings { index: 7, stages: vec![("extract", 2.0), ("track", 3.0)] },
             FrameTimings { index: 8, stages: vec![("track", 1.25), ("fuse", 0.5), ("fuse", 0.25)] },
         ];
-        assert_eq!(timings_csv(&Timings { rows }), "frame,extract,track,fuse\n7,2.000,3.000,\n8,,1.250,0.750\n");
+        assert_eq!(
+            timings_csv(&Timings { rows }),
+            "frame,extract,track,fuse\n7,2.000,3.000,\n8,,1.250,0.750\n"
+        );
     }
 }

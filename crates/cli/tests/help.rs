@@ -6,7 +6,10 @@ use std::process::Command;
 
 fn dsslam(args: &[&str]) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_dsslam")).args(args).output().unwrap();
-    (output.status.code(), String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap())
+    (
+        output.status.code(),
+        String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap(),
+    )
 }
 
 /// Commands that run something: their help has examples and the exit codes.
@@ -29,7 +32,8 @@ fn every_command_has_examples_and_exit_codes() {
 
 #[test]
 fn the_readme_documents_the_same_exit_codes() {
-    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md")).unwrap();
+    let readme =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md")).unwrap();
     let text = help(&[]);
     let codes = text.split("Exit codes:\n").nth(1).unwrap();
     assert!(codes.lines().count() >= 5, "{codes}");

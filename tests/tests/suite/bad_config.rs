@@ -60,7 +60,8 @@ fn the_calibration_of_the_dataset_wins_and_the_program_says_so() {
     let call = copy.run(own.as_flattened());
     call.expect_success();
     let calib = copy.file("calib.txt");
-    let line = call.stderr.lines().find(|line| line.starts_with("warning: camera.fx = 500 (--set camera.fx=500)"));
+    let line =
+        call.stderr.lines().find(|line| line.starts_with("warning: camera.fx = 500 (--set camera.fx=500)"));
     assert!(line.is_some_and(|line| line.ends_with(&format!("from {calib}"))), "{call}");
     assert_eq!(summary(&copy.results())["notices"].as_array().unwrap().len(), 4, "{call}");
     let in_force = fs::read_to_string(copy.results().join("config.yaml")).unwrap();
@@ -94,7 +95,12 @@ fn without_a_folder_the_results_go_to_the_working_directory() {
 
 #[test]
 fn wrong_arguments_end_with_code_2() {
-    for args in [vec!["run"], vec!["run", "x", "--max-frames", "0"], vec!["fly"], vec!["run", "x", "--sensor", "nose"]] {
+    for args in [
+        vec!["run"],
+        vec!["run", "x", "--max-frames", "0"],
+        vec!["fly"],
+        vec!["run", "x", "--sensor", "nose"],
+    ] {
         assert_eq!(dsslam(&args).code, 2, "{args:?}");
     }
 }

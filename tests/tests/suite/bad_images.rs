@@ -27,7 +27,11 @@ fn only_one_is_dropped(copy: &Copy, call: &Call, dropped: usize, reason: &str) {
         assert_eq!(summary[key], expected, "{key}: {summary:#}");
     }
     let without = &summary["without_pose"][0];
-    assert_eq!((&without["frame"], without["state"].as_str()), (&dropped.into(), Some("dropped")), "{summary:#}");
+    assert_eq!(
+        (&without["frame"], without["state"].as_str()),
+        (&dropped.into(), Some("dropped")),
+        "{summary:#}"
+    );
     assert_eq!(without["reason"], reason);
     let rows = std::fs::read_to_string(copy.results().join("trajectory.kitti.txt")).unwrap();
     assert_eq!(rows.lines().count(), N);
@@ -35,7 +39,11 @@ fn only_one_is_dropped(copy: &Copy, call: &Call, dropped: usize, reason: &str) {
 
 /// Breaks one image at the start and in the middle and expects that frame, and no other, to be dropped.
 #[track_caller]
-fn dropped_at_start_and_in_the_middle(camera: &str, breaks: impl Fn(&Copy, &str), reason: impl Fn(&Copy, &str) -> String) {
+fn dropped_at_start_and_in_the_middle(
+    camera: &str,
+    breaks: impl Fn(&Copy, &str),
+    reason: impl Fn(&Copy, &str) -> String,
+) {
     for frame in [0, 4] {
         let copy = Copy::of_first(N);
         let name = format!("{camera}/{frame:06}.png");
@@ -81,7 +89,10 @@ fn a_text_file_is_no_image() {
         "image_0",
         |copy, name| copy.write(name, "this is a text"),
         |copy, name| {
-            format!("{}: not an image: begins with the text \"this is a text\", expected PNG or JPEG", copy.file(name))
+            format!(
+                "{}: not an image: begins with the text \"this is a text\", expected PNG or JPEG",
+                copy.file(name)
+            )
         },
     );
 }
@@ -145,7 +156,10 @@ fn black_images_end_with_code_1_and_still_write_their_results() {
     }
     let call = copy.run(&[]);
     assert_eq!(call.code, 1, "{call}");
-    assert!(call.stderr.contains("error: no frame has a pose (stereo): the map cannot start: 0 of 0 features"), "{call}");
+    assert!(
+        call.stderr.contains("error: no frame has a pose (stereo): the map cannot start: 0 of 0 features"),
+        "{call}"
+    );
     let summary = summary(&copy.results());
     assert_eq!((&summary["not_ready"], &summary["ate_rmse_m"]), (&3.into(), &serde_json::Value::Null));
     let rows = std::fs::read_to_string(copy.results().join("trajectory.kitti.txt")).unwrap();
@@ -165,7 +179,14 @@ fn a_sequence_of_one_frame_has_a_pose_and_no_error() {
 
 /// Whether a results folder is complete.
 fn files_are_there(results: &Path) -> bool {
-    ["trajectory.kitti.txt", "trajectory.tum.txt", "trajectory.png", "config.yaml", "timings.csv", "summary.json"]
-        .iter()
-        .all(|name| results.join(name).exists())
+    [
+        "trajectory.kitti.txt",
+        "trajectory.tum.txt",
+        "trajectory.png",
+        "config.yaml",
+        "timings.csv",
+        "summary.json",
+    ]
+    .iter()
+    .all(|name| results.join(name).exists())
 }

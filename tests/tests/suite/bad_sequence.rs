@@ -52,7 +52,10 @@ fn a_missing_calibration_line_is_named() {
     let copy = Copy::of_first(2);
     copy.edit("calib.txt", |i, line| (i != P0).then(|| line.to_owned()));
     let calib = copy.file("calib.txt");
-    refused(&copy, &format!("{calib}: found no line `P0:`, expected 12 numbers (projection matrix, row by row)"));
+    refused(
+        &copy,
+        &format!("{calib}: found no line `P0:`, expected 12 numbers (projection matrix, row by row)"),
+    );
 }
 
 #[test]
@@ -62,7 +65,10 @@ fn a_short_calibration_line_is_counted() {
         Some(if i == P0 { line.rsplit_once(' ').unwrap().0.to_owned() } else { line.to_owned() })
     });
     let calib = copy.file("calib.txt");
-    refused(&copy, &format!("{calib}:1: found 11 numbers, expected 12 numbers (projection matrix, row by row)"));
+    refused(
+        &copy,
+        &format!("{calib}:1: found 11 numbers, expected 12 numbers (projection matrix, row by row)"),
+    );
 }
 
 #[test]
@@ -84,7 +90,10 @@ fn a_negative_focal_length_in_the_calibration_is_found() {
 fn an_empty_list_of_times_is_refused() {
     let copy = Copy::of_first(2);
     copy.write("times.txt", "");
-    refused(&copy, &format!("{}: found no data, expected a time in seconds per line", copy.file("times.txt")));
+    refused(
+        &copy,
+        &format!("{}: found no data, expected a time in seconds per line", copy.file("times.txt")),
+    );
 }
 
 #[test]
@@ -106,7 +115,12 @@ fn times_must_increase() {
     let copy = Copy::of_first(3);
     copy.write("times.txt", "0.0\n0.2\n0.1\n");
     let times = copy.file("times.txt");
-    refused(&copy, &format!("{times}:3: found time 0.1 after 0.2 of the entry before, expected strictly increasing times"));
+    refused(
+        &copy,
+        &format!(
+            "{times}:3: found time 0.1 after 0.2 of the entry before, expected strictly increasing times"
+        ),
+    );
 }
 
 #[test]
@@ -115,5 +129,8 @@ fn a_sensor_that_the_folder_does_not_have_is_refused() {
     let (path, results) = (copy.path(), copy.results());
     let call = dsslam(&["run", text(&path), "--sensor", "rgbd", "--out", text(&results)]);
     let path = path.display();
-    call.expect(2, &format!("error: {path}: sensor rgbd is not possible here: KITTI folders hold no depth images"));
+    call.expect(
+        2,
+        &format!("error: {path}: sensor rgbd is not possible here: KITTI folders hold no depth images"),
+    );
 }

@@ -42,8 +42,23 @@ fn the_results_folder_is_complete() {
     run(folder.path(), 2, &["--max-frames", "10"]);
     let s = summary(folder.path());
     for key in [
-        "frames", "lost", "dropped", "keyframes", "points", "loops", "ate_rmse_m", "alignment", "t_rel_percent",
-        "r_rel_deg_per_100m", "stages", "track_ms_median", "wall_s", "cpu_s", "peak_rss_mb", "trajectory_sha256", "schedule",
+        "frames",
+        "lost",
+        "dropped",
+        "keyframes",
+        "points",
+        "loops",
+        "ate_rmse_m",
+        "alignment",
+        "t_rel_percent",
+        "r_rel_deg_per_100m",
+        "stages",
+        "track_ms_median",
+        "wall_s",
+        "cpu_s",
+        "peak_rss_mb",
+        "trajectory_sha256",
+        "schedule",
         "version",
     ] {
         assert!(s.get(key).is_some(), "summary.json lacks {key}");
@@ -60,7 +75,10 @@ fn the_results_folder_is_complete() {
         let text = fs::read_to_string(folder.path().join(name)).unwrap();
         text.lines().filter(|line| !line.starts_with('#')).count()
     };
-    assert_eq!((n_lines("trajectory.kitti.txt"), n_lines("trajectory.tum.txt"), n_lines("timings.csv")), (10, 10, 11));
+    assert_eq!(
+        (n_lines("trajectory.kitti.txt"), n_lines("trajectory.tum.txt"), n_lines("timings.csv")),
+        (10, 10, 11)
+    );
     let picture = image::open(folder.path().join("trajectory.png")).unwrap();
     assert!(picture.width() >= 400 && picture.height() >= 300);
     let names: Vec<String> =
@@ -106,7 +124,8 @@ fn an_interrupted_run_writes_what_there_is() {
         assert!(child.try_wait().unwrap().is_none(), "ended before it began");
         std::thread::sleep(Duration::from_millis(2));
     }
-    let signalled = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let signalled =
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(signalled.success());
     let call = ended(child.wait_with_output().unwrap());
     assert_eq!(call.code, 130, "{call}");
