@@ -17,14 +17,14 @@ pub(crate) const MARGIN: usize = HALF + 1;
 /// Standard deviation of the patch's weights, pixels.
 const SIGMA_PX: f32 = 5.0;
 /// Grey levels of difference from which a pixel has no weight.
-const OUTLIER: f32 = 30.0;
+const OUTLIER: f32 = 40.0;
 /// Weight of the slope's pull to zero, in units of the information on the disparity per squared pixel.
 const SLOPE_PRIOR: f32 = 0.3;
 /// Largest credible slope, pixels of disparity per row.
 const MAX_SLOPE: f32 = 0.8;
-const MAX_ITERATIONS: usize = 8;
+const MAX_ITERATIONS: usize = 5;
 /// Steps of the disparity below this many pixels end the iteration.
-const CONVERGED_PX: f32 = 0.01;
+const CONVERGED_PX: f32 = 0.08;
 
 /// Where a left patch lies in the right image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +81,7 @@ impl Task for Align<'_> {
             if (disparity - start).abs() > reach || slope.abs() > MAX_SLOPE {
                 return None;
             }
-            if iteration > 1 && step[0].abs() < CONVERGED_PX {
+            if iteration > 0 && step[0].abs() < CONVERGED_PX {
                 return Some(Alignment { disparity, slope, residual: sums.residual() });
             }
         }
@@ -116,9 +116,10 @@ impl Template {
         let mut template = Self { values: [[0.0; LANES]; SIDE], gradients: [[0.0; LANES]; SIDE] };
         for row in 0..SIDE {
             let pixels = &left.row(y + row - HALF)[x - MARGIN..x - MARGIN + LANES + 2];
+            let (before, after) = (widened(pixels), widened(&pixels[2..]));
+            template.values[row] = widened(&pixels[1..]);
             for i in 0..LANES {
-                template.values[row][i] = f32::from(pixels[i + 1]);
-                template.gradients[row][i] = 0.5 * (f32::from(pixels[i + 2]) - f32::from(pixels[i]));
+                template.gradients[row][i] = 0.5 * (after[i] - before[i]);
             }
         }
         template
@@ -147,14 +148,13 @@ impl Template {
                 return None;
             }
             let pixels = &right.row(y + row - HALF)[first as usize..first as usize + LANES + 1];
-            let weights = &WEIGHTS[row];
-            let (values, gradients) = (&self.values[row], &self.gradients[row]);
+            let (before, after) = (widened(pixels), widened(&pixels[1..]));
+            let (weights, values, gradients) = (&WEIGHTS[row], &self.values[row], &self.gradients[row]);
             let mut of_row = [[0.0; 8]; 6];
             for half in [0, 8] {
                 for k in 0..8 {
                     let i = half + k;
-                    let (a, b) = (f32::from(pixels[i]), f32::from(pixels[i + 1]));
-                    let e = a + fraction * (b - a) + offset - values[i];
+                    let e = before[i] + fraction * (after[i] - before[i]) + offset - values[i];
                     let weight = weights[i] * (1.0 - e * e * inv_outlier_sq).max(0.0);
                     let wg = weight * gradients[i];
                     of_row[0][k] += wg * gradients[i];
@@ -213,6 +213,16 @@ impl Sums {
     fn residual(&self) -> f32 {
         total(&self.abs) / total(&self.one)
     }
+}
+
+#[inline(always)]
+fn widened(pixels: &[u8]) -> [f32; LANES] {
+    let mut values = [0.0; LANES];
+    let pixels = &pixels[..LANES];
+    for i in 0..LANES {
+        values[i] = f32::from(pixels[i]);
+    }
+    values
 }
 
 /// Sum of the lanes in a fixed order.

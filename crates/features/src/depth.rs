@@ -12,23 +12,44 @@ pub struct DepthConfig {
     pub min_depth_m: f64,
     /// Farthest depth believed, metres.
     pub max_depth_m: f64,
+    /// A key-point is at a depth edge, and its depth is not believed, when a depth within [`EDGE_REACH_PX`] differs by
+    /// more than this share of its own.
+    pub max_jump: f64,
 }
+
+/// How far from the key-point a depth edge counts, pixels.
+pub const EDGE_REACH_PX: usize = 3;
 
 impl Default for DepthConfig {
     fn default() -> Self {
-        Self { units_per_metre: 5000.0, min_depth_m: 0.1, max_depth_m: 40.0 }
+        Self { units_per_metre: 5000.0, min_depth_m: 0.1, max_depth_m: 40.0, max_jump: 0.05 }
     }
 }
 
 impl DepthConfig {
-    /// Depth in metres at the pixel nearest to a detected (distorted) key-point; `None` where the sensor gave none.
+    /// Depth in metres at the pixel nearest to a detected (distorted) key-point; `None` where the sensor gave none and at
+    /// depth edges, where a corner may lie on either side.
     pub(crate) fn depth_at(&self, depth: &DepthImage, keypoint: &Keypoint) -> Option<f64> {
         let (x, y) = (f64::from(keypoint.x).round(), f64::from(keypoint.y).round());
         if x < 0.0 || y < 0.0 {
             return None;
         }
-        let units = depth.get(x as usize, y as usize)?;
+        let (x, y) = (x as usize, y as usize);
+        let units = depth.get(x, y)?;
         let metres = f64::from(units) / self.units_per_metre;
-        (units > 0 && metres >= self.min_depth_m && metres <= self.max_depth_m).then_some(metres)
+        let believed = units > 0 && metres >= self.min_depth_m && metres <= self.max_depth_m;
+        (believed && !self.is_edge(depth, x, y, units)).then_some(metres)
+    }
+
+    /// Whether a depth around `(x, y)` differs from `units`, the depth there, by more than a share of it.
+    fn is_edge(&self, depth: &DepthImage, x: usize, y: usize, units: u16) -> bool {
+        let limit = self.max_jump * f64::from(units);
+        let rows = y.saturating_sub(EDGE_REACH_PX)..(y + EDGE_REACH_PX + 1).min(depth.height);
+        let columns = x.saturating_sub(EDGE_REACH_PX)..(x + EDGE_REACH_PX + 1).min(depth.width);
+        rows.into_iter().any(|row| {
+            depth.row(row)[columns.clone()]
+                .iter()
+                .any(|&other| other > 0 && f64::from(units.abs_diff(other)) > limit)
+        })
     }
 }

@@ -26,7 +26,7 @@ mod window;
 
 pub use brute_force::match_brute_force;
 pub use builder::FrameBuilder;
-pub use depth::DepthConfig;
+pub use depth::{DepthConfig, EDGE_REACH_PX};
 pub use descriptor::Descriptor;
 pub use epipolar::{EpipolarRange, search_epipolar, search_epipolar_all};
 pub use extractor::Extractor;

@@ -50,7 +50,13 @@ unsafe fn sum_columns(strip: &[&[u8]; HEIGHT], n: usize, columns: &mut [u16]) {
 /// `n` is a multiple of 16; biases have that length, column sums 16 more, rows of the patch 16.
 #[target_feature(enable = "avx2")]
 unsafe fn find_biases(patch: &[&[u8]; HEIGHT], n: usize, scratch: &mut Scratch) {
-    let patch_sum: i32 = patch.iter().flat_map(|row| &row[..WIDTH]).map(|&v| i32::from(v)).sum();
+    let mut eight = _mm_setzero_si128();
+    for row in patch {
+        // SAFETY: the caller's.
+        let pixels = unsafe { _mm_loadu_si128(row.as_ptr().cast()) };
+        eight = _mm_add_epi32(eight, _mm_sad_epu8(pixels, _mm_setzero_si128()));
+    }
+    let patch_sum = _mm_cvtsi128_si32(_mm_add_epi32(eight, _mm_unpackhi_epi64(eight, eight)));
     // Sums of 128 bytes fit 16 bits with a sign.
     let rounded = _mm256_set1_epi16((patch_sum + 64) as i16);
     let zero = _mm256_setzero_si256();
