@@ -19,8 +19,10 @@ const FAR_M: f64 = 320.0;
 /// Objects with a smaller radius in the image are not drawn, pixels.
 const MIN_RADIUS_PX: f64 = 0.8;
 /// Light from all around, and the sun's part.
-const AMBIENT: f64 = 0.56;
+const AMBIENT: f64 = 0.74;
 const SUN: f64 = 0.62;
+/// Leafy cards are not drawn when the view is nearly along them: sine of the angle.
+const EDGE_ON: f64 = 0.1;
 /// A decal counts as nearer by this share.
 const DECAL_BIAS: f64 = 4e-4;
 const MAX_CORNERS: usize = 12;
@@ -128,7 +130,8 @@ fn prepare_instance(view: &View, mesh: &Mesh, instance: &Instance, out: &mut Vec
         // Plane: normal . p = offset; the eye is on the outer side when the offset is negative.
         let offset = normal.dot(&corners[0]);
         let two_sided = polygon.surface.kind == SurfaceKind::CutOut;
-        if offset.abs() < 1e-5 || (offset > 0.0 && !two_sided) {
+        let edge_on = if two_sided { EDGE_ON * corners[0].norm() } else { 1e-5 };
+        if offset.abs() < edge_on || (offset > 0.0 && !two_sided) {
             continue;
         }
         let Some(outline) = Outline::new(view, corners) else { continue };

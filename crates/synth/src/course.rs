@@ -73,7 +73,12 @@ impl Course {
                 [mirror * (x + jitter(0)), z + jitter(1), *r]
             })
             .collect();
-        Self::from_corners(&corners, true)
+        // The course starts in the middle of the first side.
+        let middle = [0, 1].map(|i| 0.5 * (corners[0][i] + corners[1][i]));
+        let mut from_middle = vec![[middle[0], middle[1], 1.0]];
+        from_middle.extend_from_slice(&corners[1..]);
+        from_middle.push(corners[0]);
+        Self::from_corners(&from_middle, true)
     }
 
     /// An open street of at least `length` metres that winds gently and never comes back.
@@ -95,7 +100,11 @@ impl Course {
         let (positions, length) = resample(&smooth, closed);
         let n = positions.len();
         let at = |i: isize| {
-            if closed { positions[i.rem_euclid(n as isize) as usize] } else { positions[i.clamp(0, n as isize - 1) as usize] }
+            if closed {
+                positions[i.rem_euclid(n as isize) as usize]
+            } else {
+                positions[i.clamp(0, n as isize - 1) as usize]
+            }
         };
         let mut headings: Vec<f64> = Vec::with_capacity(n + 1);
         for i in 0..=n as isize {

@@ -1,7 +1,7 @@
 //! Paints the fronts of houses: wall material, storeys, windows, doors, shops, stains; one drawing per house, from its seed.
 
 use crate::canvas::{Canvas, Rect};
-use crate::noise::{Tile, octaves, signed, unit};
+use crate::noise::{Tile, signed, unit};
 use crate::texture::Texture;
 
 /// What a wall is made of.
@@ -53,7 +53,8 @@ impl FacadePlan {
     /// Texels in x and y: about 4 cm wide and 2 cm high, since fronts are seen from the street at a slant.
     pub(crate) fn texels(&self) -> [usize; 2] {
         let coarser = if self.distant { 2.0 } else { 1.0 };
-        let side = |size: f32, per_m: f32| ((size * per_m / coarser) as usize).next_power_of_two().clamp(64, 512);
+        let side =
+            |size: f32, per_m: f32| ((size * per_m / coarser) as usize).next_power_of_two().clamp(64, 512);
         [side(self.size_m[0], 16.0), side(self.size_m[1], 32.0)]
     }
 
@@ -71,9 +72,9 @@ impl FacadePlan {
         for storey in 0..self.storeys {
             let top = self.size_m[1] - (storey + 1) as f32 * storey_m;
             if storey == 0 && self.shop && !self.blank {
-                self.shop_front(&mut canvas, top, storey_m);
+                self.shop_front(&mut canvas, noise, top, storey_m);
             } else {
-                self.storey(&mut canvas, storey, top, storey_m);
+                self.storey(&mut canvas, noise, storey, top, storey_m);
             }
             if storey > 0 && self.random(1, 1) < 0.5 {
                 let band = Rect::new(0.0, top + storey_m - 0.16, self.size_m[0], 0.14);
@@ -91,8 +92,8 @@ impl FacadePlan {
         // Course height, block width, joint and strength of the variation from block to block.
         let (course, block, joint, vary) = match self.material {
             Material::Plaster => (0.0, 0.0, 0.0, 0.0),
-            Material::Brick => (0.085, 0.27, 0.012, 26.0),
-            Material::Stone => (0.34, 0.62, 0.02, 24.0),
+            Material::Brick => (0.085, 0.27, 0.012, 34.0),
+            Material::Stone => (0.34, 0.62, 0.02, 28.0),
             Material::Boards => (0.16, 3.1, 0.012, 13.0),
             Material::Panels => (1.4, 1.25, 0.025, 9.0),
         };
@@ -108,13 +109,13 @@ impl FacadePlan {
         }
         // Structure at all scales, and sharp-edged patches: old plaster, repairs.
         canvas.shade(|x, y, g| {
-            let rough = g + 24.0 * noise.at(x, y, seed ^ 0x1234);
+            let rough = g + 15.0 * noise.at(x, y, seed ^ 0x1234);
             if noise.at(0.6 * y, 0.6 * x, seed ^ 0x9911) > 0.5 { rough * 0.84 + 6.0 } else { rough }
         });
     }
 
     /// A row of windows with, in the lowest storey, a door.
-    fn storey(&self, canvas: &mut Canvas, storey: u32, top: f32, storey_m: f32) {
+    fn storey(&self, canvas: &mut Canvas, noise: &Tile, storey: u32, top: f32, storey_m: f32) {
         let pitch = 1.9 + 1.5 * self.random(2, 0);
         let columns = ((self.size_m[0] - 0.8) / pitch).floor().max(1.0) as i32;
         let margin = 0.5 * (self.size_m[0] - columns as f32 * pitch);
@@ -134,12 +135,12 @@ impl FacadePlan {
                 continue;
             }
             let rect = Rect::new(center - 0.5 * width, top + 0.26 * storey_m, width, height);
-            self.window(canvas, rect, key);
+            self.window(canvas, noise, rect, key);
         }
     }
 
     /// Frame, glass with reflections, bars, curtain or blind, shutters, sill.
-    fn window(&self, canvas: &mut Canvas, rect: Rect, key: i32) {
+    fn window(&self, canvas: &mut Canvas, noise: &Tile, rect: Rect, key: i32) {
         let r = |k: i32| self.random(20 + k, key);
         let style = |k: i32| self.random(60 + k, 0);
         let frame_tone = if style(0) < 0.75 { 205.0 + 40.0 * style(1) } else { 50.0 };
@@ -151,7 +152,7 @@ impl FacadePlan {
         let glass = rect.inset(0.07);
         let (dark, seed) = (25.0 + 35.0 * r(0), self.seed ^ key as u32);
         let reflection = |x: f32, y: f32| {
-            let cloud = octaves(x / 0.7, y / 0.7, [256, 256], 4, 0.6, seed);
+            let cloud = noise.at(1.5 * x, 1.5 * y, seed);
             dark + 16.0 * cloud + if cloud > 0.3 { 32.0 } else { 0.0 }
         };
         canvas.paint(glass, 1.0, reflection);
@@ -183,7 +184,7 @@ impl FacadePlan {
             }
         }
         if r(6) < 0.15 {
-            let plant = |x: f32, y: f32| 70.0 + 60.0 * octaves(x * 9.0, y * 9.0, [512, 512], 2, 0.7, seed ^ 5);
+            let plant = |x: f32, y: f32| 70.0 + 60.0 * noise.at(5.0 * x, 5.0 * y, seed ^ 5);
             canvas.paint(Rect::new(rect.x, rect.y + rect.h - 0.18, rect.w, 0.26), 1.0, plant);
         }
     }
@@ -194,12 +195,8 @@ impl FacadePlan {
         canvas.fill(Rect::new(rect.x - 0.14, rect.y - 0.14, rect.w + 0.28, rect.h + 0.14), self.tone * 0.7);
         canvas.fill(rect, tone);
         for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let panel = Rect::new(
-                rect.x + 0.12 + 0.52 * column as f32,
-                rect.y + 0.2 + 1.05 * row as f32,
-                0.42,
-                0.85,
-            );
+            let panel =
+                Rect::new(rect.x + 0.12 + 0.52 * column as f32, rect.y + 0.2 + 1.05 * row as f32, 0.42, 0.85);
             canvas.frame(panel, 0.05, tone * 1.6);
         }
         canvas.fill(Rect::new(rect.x + 1.02, rect.y + 1.2, 0.06, 0.16), 225.0);
@@ -208,7 +205,7 @@ impl FacadePlan {
     }
 
     /// Shop windows with goods, a sign with letters, a door between.
-    fn shop_front(&self, canvas: &mut Canvas, top: f32, storey_m: f32) {
+    fn shop_front(&self, canvas: &mut Canvas, noise: &Tile, top: f32, storey_m: f32) {
         let width = self.size_m[0];
         canvas.fill(Rect::new(0.0, top, width, storey_m), 50.0 + 90.0 * self.random(10, 0));
         let sign = Rect::new(0.3, top + 0.25, width - 0.6, 0.62);
@@ -227,17 +224,17 @@ impl FacadePlan {
                 continue;
             }
             let rect = Rect::new(x + 0.1, top + 1.05, pitch - 0.2, storey_m - 1.55);
-            self.shop_window(canvas, rect, pane);
+            self.shop_window(canvas, noise, rect, pane);
         }
         let plinth = Rect::new(0.0, self.size_m[1] - 0.35, width, 0.35);
         canvas.paint(plinth, 0.35, |_, _| 30.0);
     }
 
-    fn shop_window(&self, canvas: &mut Canvas, rect: Rect, pane: i32) {
+    fn shop_window(&self, canvas: &mut Canvas, noise: &Tile, rect: Rect, pane: i32) {
         let seed = self.seed ^ (pane as u32).wrapping_mul(7919);
         canvas.fill(rect, 190.0);
         let glass = rect.inset(0.06);
-        canvas.paint(glass, 1.0, |x, y| 45.0 + 28.0 * octaves(x / 0.8, y / 0.8, [256, 256], 4, 0.65, seed));
+        canvas.paint(glass, 1.0, |x, y| 45.0 + 28.0 * noise.at(x, y, seed));
         for k in 0..7 {
             let r = |j: i32| unit(k, j, seed);
             let (w, h) = (0.15 + 0.5 * r(0), 0.15 + 0.6 * r(1));
@@ -264,7 +261,12 @@ impl FacadePlan {
             if r(0) > 0.45 {
                 continue;
             }
-            let rect = Rect::new(self.size_m[0] * 0.9 * r(1), height - 1.1 - 1.2 * r(2), 0.3 + 0.7 * r(3), 0.4 + 0.6 * r(4));
+            let rect = Rect::new(
+                self.size_m[0] * 0.9 * r(1),
+                height - 1.1 - 1.2 * r(2),
+                0.3 + 0.7 * r(3),
+                0.4 + 0.6 * r(4),
+            );
             let tone = if r(5) < 0.5 { 215.0 } else { 60.0 };
             canvas.fill(rect, tone);
             canvas.letters(rect.inset(0.05), 0.09 + 0.2 * r(6), 255.0 - tone, seed ^ k as u32);
@@ -287,7 +289,9 @@ mod tests {
             let t = FacadePlan::from_seed([12.0, 9.0], 3, seed).bake(&Tile::new(1));
             let side = 256 >> level;
             let texel = |i: i32| ((i << 16) + 0x8000) << level;
-            (0..side * side).map(|i| t.levels[level].gray(texel(i % side), texel(i / side)) as f64 / 256.0).collect::<Vec<_>>()
+            (0..side * side)
+                .map(|i| t.levels[level].gray(texel(i % side), texel(i / side)) as f64 / 256.0)
+                .collect::<Vec<_>>()
         };
         for level in 0..5 {
             let (a, b) = (gray(3, level), gray(4, level));

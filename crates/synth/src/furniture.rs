@@ -20,8 +20,19 @@ pub(crate) fn tree(common: &Common, seed: u32) -> Mesh {
         let flat = (1.0 - up * up).sqrt();
         let out = V3::new(flat * around.cos(), -up, flat * around.sin());
         let at = center + out.component_mul(&radii) * (0.72 + 0.2 * f64::from(signed(i, 2, seed)));
-        let shake = V3::new(f64::from(signed(i, 3, seed)), f64::from(signed(i, 4, seed)), f64::from(signed(i, 5, seed)));
-        card(&mut mesh, common, at, (out + 0.7 * shake).normalize(), 1.5 + 0.9 * f64::from(unit(i, 6, seed)), i);
+        let shake = V3::new(
+            f64::from(signed(i, 3, seed)),
+            f64::from(signed(i, 4, seed)),
+            f64::from(signed(i, 5, seed)),
+        );
+        card(
+            &mut mesh,
+            common,
+            at,
+            (out + 0.7 * shake).normalize(),
+            1.5 + 0.9 * f64::from(unit(i, 6, seed)),
+            i,
+        );
     }
     // The dense middle, seen through the gaps.
     for i in 0..3 {
@@ -61,7 +72,12 @@ pub(crate) fn lamp(common: &Common, height: f64) -> Mesh {
     mesh.prism(V3::zeros(), height, [0.095, 0.06], 8, common.metal);
     mesh.prism(V3::zeros(), 1.0, [0.13, 0.13], 8, Surface { gain: 0.7, ..common.metal });
     mesh.block(V3::new(-0.04, -height, -1.3), V3::new(0.08, 0.08, 1.3), common.metal, common.metal);
-    mesh.block(V3::new(-0.14, -height - 0.06, -1.9), V3::new(0.28, 0.16, 0.7), common.concrete, common.concrete);
+    mesh.block(
+        V3::new(-0.14, -height - 0.06, -1.9),
+        V3::new(0.28, 0.16, 0.7),
+        common.concrete,
+        common.concrete,
+    );
     mesh.finish()
 }
 

@@ -67,7 +67,12 @@ fn gable(mesh: &mut Mesh, plot: &Plot, roof: Surface, wall: Surface, pitch: f64)
     // Underside of the eaves towards the street, and its gutter.
     let gutter = Surface { gain: 0.55, ..wall };
     mesh.quad(p(0.0, -drop, -eave), V3::x() * w, V3::y() * 0.14, gutter);
-    let under = [p(0.0, -drop - 0.14, -eave), p(w, -drop - 0.14, -eave), p(w, -drop - 0.14, 0.0), p(0.0, -drop - 0.14, 0.0)];
+    let under = [
+        p(0.0, -drop - 0.14, -eave),
+        p(w, -drop - 0.14, -eave),
+        p(w, -drop - 0.14, 0.0),
+        p(0.0, -drop - 0.14, 0.0),
+    ];
     mesh.add(&under, V3::x(), V3::z(), gutter);
     for (at, dir) in [(0.0, -1.0), (w, 1.0)] {
         let (a, b) = (p(at, 0.0, 0.0), p(at, 0.0, d));
@@ -81,7 +86,12 @@ fn parapet(mesh: &mut Mesh, plot: &Plot, common: &Common) {
     let (w, d, h) = (plot.width, plot.depth, plot.height());
     let size = V3::new(w + 0.3, 0.5, d + 0.3);
     mesh.block(V3::new(-0.15, -h - 0.5, -0.15), size, common.concrete, common.concrete);
-    let underside = [V3::new(-0.15, -h, -0.15), V3::new(w + 0.15, -h, -0.15), V3::new(w + 0.15, -h, 0.0), V3::new(-0.15, -h, 0.0)];
+    let underside = [
+        V3::new(-0.15, -h, -0.15),
+        V3::new(w + 0.15, -h, -0.15),
+        V3::new(w + 0.15, -h, 0.0),
+        V3::new(-0.15, -h, 0.0),
+    ];
     mesh.add(&underside, V3::x(), V3::z(), Surface { gain: 0.6, ..common.concrete });
 }
 
@@ -153,7 +163,8 @@ mod tests {
                 for c in corners {
                     assert!((c - corners[0]).dot(&p.normal).abs() < 1e-6);
                 }
-                let wall = p.normal.y.abs() < 0.1 && corners.iter().all(|c| c.z >= -1e-9) && corners.len() == 4;
+                let wall =
+                    p.normal.y.abs() < 0.1 && corners.iter().all(|c| c.z >= -1e-9) && corners.len() == 4;
                 let full = corners.iter().any(|c| c.y.abs() < 1e-9);
                 if wall && full {
                     assert!(p.normal.dot(&(corners[0] - inside)) > 0.0, "{:?}", p.normal);

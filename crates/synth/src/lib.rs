@@ -16,6 +16,7 @@ mod furniture;
 mod houses;
 mod layout;
 mod library;
+mod lookup;
 mod materials;
 mod mesh;
 mod noise;

@@ -1,8 +1,8 @@
 //! All textures of a world: asked for while the world is laid out, baked in parallel afterwards.
 
 use crate::facade::FacadePlan;
-use crate::noise::Tile;
 use crate::mesh::{Surface, SurfaceKind};
+use crate::noise::Tile;
 use crate::texture::{Texture, TextureId};
 use crate::{materials, vehicle_paint};
 use rayon::prelude::*;

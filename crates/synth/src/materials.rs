@@ -36,8 +36,7 @@ impl Material {
             Self::Leaves => 256.0 / 2.6,
             Self::Roof | Self::Wall => 40.0,
             Self::Sign => 128.0 / 0.8,
-            // Clouds 2 km above, 20 m per texel.
-            Self::Clouds => 1.0 / 14.0,
+            Self::Clouds => 1.0 / 24.0,
         }
     }
 
@@ -84,15 +83,15 @@ fn fine(x: usize, y: usize, size: usize, cells: i32, n: u32, gain: f32, seed: u3
     octaves((x as f32 + 0.5) * s, (y as f32 + 0.5) * s, [cells; 2], n, gain, seed)
 }
 
-/// Grey with stones of all sizes, repaired areas and cracks; 25.6 m wide.
+/// Grey with stones of all sizes, repaired areas and cracks; 12.8 m wide.
 fn asphalt(seed: u32) -> Texture {
-    tile(1024, |x, y| {
-        let coarse = fine(x, y, 1024, 6, 5, 0.6, seed);
-        let stones = fine(x, y, 1024, 256, 3, 0.9, seed ^ 21);
-        let crack = fine(x, y, 1024, 9, 5, 0.55, seed ^ 22).abs();
-        let patch = fine(x, y, 1024, 12, 4, 0.5, seed ^ 23);
-        let spot = if fine(x, y, 1024, 90, 2, 0.6, seed ^ 24) > 0.72 { -24.0 } else { 0.0 };
-        let base = 104.0 + 13.0 * coarse + 24.0 * stones + spot;
+    tile(512, |x, y| {
+        let coarse = fine(x, y, 512, 4, 5, 0.6, seed);
+        let stones = fine(x, y, 512, 256, 2, 0.9, seed ^ 21);
+        let crack = fine(x, y, 512, 5, 5, 0.55, seed ^ 22).abs();
+        let patch = fine(x, y, 512, 6, 4, 0.5, seed ^ 23);
+        let spot = if fine(x, y, 512, 45, 2, 0.6, seed ^ 24) > 0.72 { -24.0 } else { 0.0 };
+        let base = 118.0 + 6.0 * coarse + 28.0 * stones + spot;
         let base = if patch > 0.5 { base - 14.0 } else { base };
         if crack < 0.013 { base - 42.0 } else { base }
     })
@@ -227,11 +226,11 @@ fn sign(seed: u32) -> Texture {
 
 /// Broken cumulus on a bright sky, seen from below on a plane.
 fn clouds(seed: u32) -> Texture {
-    tile(1024, |x, y| {
-        let n = fine(x, y, 1024, 8, 7, 0.58, seed);
+    tile(512, |x, y| {
+        let n = fine(x, y, 512, 8, 6, 0.58, seed);
         let cover = ((n + 0.15) * 1.8).clamp(0.0, 1.0);
-        let shade = fine(x, y, 1024, 16, 5, 0.6, seed ^ 11);
-        168.0 + cover * (62.0 + 26.0 * shade)
+        let shade = fine(x, y, 512, 16, 4, 0.6, seed ^ 11);
+        176.0 + cover * (60.0 + 22.0 * shade)
     })
 }
 
@@ -242,10 +241,12 @@ mod tests {
     #[test]
     fn tiles_repeat_without_a_seam() {
         let center = |i: i32| (i << 16) + 0x8000;
-        for (material, size) in [(Material::Asphalt, 1024), (Material::Hedge, 256), (Material::Clouds, 1024)] {
+        for (material, size) in [(Material::Asphalt, 512), (Material::Hedge, 256), (Material::Clouds, 512)] {
             let level = &material.bake(7).levels[0];
             let step = |x: i32| {
-                (0..size).map(|y| (level.gray(center(x), center(y)) - level.gray(center(x + 1), center(y))).abs()).sum::<i32>()
+                (0..size)
+                    .map(|y| (level.gray(center(x), center(y)) - level.gray(center(x + 1), center(y))).abs())
+                    .sum::<i32>()
             };
             let inside = (10..20).map(step).sum::<i32>() / 10;
             assert!(step(size - 1) < 2 * inside, "{material:?}");
@@ -256,7 +257,8 @@ mod tests {
     fn boughs_are_neither_full_nor_empty() {
         let level = &Material::Leaves.bake(3).levels[0];
         let center = |i: i32| (i << 16) + 0x8000;
-        let opaque = (0..256 * 256).filter(|i| level.alpha(center(i % 256), center(i / 256)) >= 128 << 8).count();
+        let opaque =
+            (0..256 * 256).filter(|i| level.alpha(center(i % 256), center(i / 256)) >= 128 << 8).count();
         let share = opaque as f64 / 65536.0;
         assert!(share > 0.3 && share < 0.75, "{share}");
     }

@@ -69,7 +69,9 @@ impl Preset {
                 Settings { oncoming_every_m: 22.0, parked: 0.7, crossing: 1.0, leader_s: Some(1.35), ..town }
             }
             Self::Crossing => Settings { crossing: 1.0, truck_halts: true, ..town },
-            Self::Facades => Settings { oncoming_every_m: 120.0, parked: 0.3, crossing: 0.0, regular: true, ..town },
+            Self::Facades => {
+                Settings { oncoming_every_m: 120.0, parked: 0.3, crossing: 0.0, regular: true, ..town }
+            }
         }
     }
 }

@@ -21,12 +21,21 @@ pub(crate) struct Truth {
 }
 
 /// The picture alone.
-pub(crate) fn picture(view: &View, meshes: &[Mesh], instances: &[Instance], library: &Library, shot: &Shot) -> GrayImage {
+pub(crate) fn picture(
+    view: &View,
+    meshes: &[Mesh],
+    instances: &[Instance],
+    library: &Library,
+    shot: &Shot,
+) -> GrayImage {
     let prepared = prepare(view, meshes, instances);
     let mut gray = GrayImage::new(WIDTH, HEIGHT, 0);
-    gray.data.par_chunks_mut(BAND_ROWS * WIDTH).enumerate().for_each_init(Workspace::new, |work, (i, rows)| {
-        work.draw(i * BAND_ROWS, rows, &prepared, library, shot);
-    });
+    gray.data.par_chunks_mut(BAND_ROWS * WIDTH).enumerate().for_each_init(
+        Workspace::new,
+        |work, (i, rows)| {
+            work.draw(i * BAND_ROWS, rows, &prepared, library, shot);
+        },
+    );
     gray
 }
 
@@ -81,7 +90,8 @@ impl Workspace {
     fn truth(&self, first: usize, prepared: &[Prepared], depth: &mut [f32], labels: &mut [u8]) {
         for (i, (depth, label)) in depth.iter_mut().zip(labels).enumerate() {
             let (row, x) = (i / WIDTH, i % WIDTH);
-            let Some(polygon) = (self.band.winner(row, x) as usize).checked_sub(1).map(|k| &prepared[k]) else {
+            let Some(polygon) = (self.band.winner(row, x) as usize).checked_sub(1).map(|k| &prepared[k])
+            else {
                 continue;
             };
             *label = polygon.label;

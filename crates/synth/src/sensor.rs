@@ -46,7 +46,10 @@ impl Sensor {
             Eye::Left => (1.0, 11),
             Eye::Right => (1.015, 12),
         };
-        Shot { gain: (own * (1.0 + self.exposure.at(t))) as f32, seed: mix_seed(self.seed, index as u64, purpose) }
+        Shot {
+            gain: (own * (1.0 + self.exposure.at(t))) as f32,
+            seed: mix_seed(self.seed, index as u64, purpose),
+        }
     }
 }
 

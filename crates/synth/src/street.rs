@@ -27,7 +27,14 @@ pub(crate) fn build(layout: &Layout<'_>, common: &Common, seed: u32, regular: bo
         }
         let (from, to) = (first as f64 * step, (first + SECTIONS).min(n) as f64 * step);
         marks(&mut mesh, layout, common, from, to);
-        wear(&mut mesh, course, common, from, to, if regular { first as u32 % 2 } else { seed ^ first as u32 });
+        wear(
+            &mut mesh,
+            course,
+            common,
+            from,
+            to,
+            if regular { first as u32 % 2 } else { seed ^ first as u32 },
+        );
         meshes.push(mesh.finish());
     }
     meshes.extend(layout.side_streets.iter().map(|street| side_street(street, common)));
@@ -45,7 +52,11 @@ fn ground(course: &Course, common: &Common) -> Mesh {
     let (low, high) = course.bounds();
     let (x0, x1, z0, z1, y) = (low.x - 420.0, high.x + 420.0, low.z - 420.0, high.z + 420.0, 0.03);
     let mut mesh = Mesh::default();
-    flat(&mut mesh, &[V3::new(x0, y, z1), V3::new(x1, y, z1), V3::new(x1, y, z0), V3::new(x0, y, z0)], common.grass);
+    flat(
+        &mut mesh,
+        &[V3::new(x0, y, z1), V3::new(x1, y, z1), V3::new(x1, y, z0), V3::new(x0, y, z0)],
+        common.grass,
+    );
     mesh.finish()
 }
 
@@ -54,12 +65,20 @@ fn section(mesh: &mut Mesh, layout: &Layout<'_>, common: &Common, s: f64, step: 
     let (a, b) = (layout.course.at(s), layout.course.at(s + step));
     let at = |station: &Station, lateral: f64, up: f64| station.beside(lateral).position - V3::y() * up;
     let half = ROAD_HALF_M;
-    flat(mesh, &[at(&b, -half, 0.0), at(&b, half, 0.0), at(&a, half, 0.0), at(&a, -half, 0.0)], common.asphalt);
+    flat(
+        mesh,
+        &[at(&b, -half, 0.0), at(&b, half, 0.0), at(&a, half, 0.0), at(&a, -half, 0.0)],
+        common.asphalt,
+    );
     for side in [-1.0, 1.0] {
         if layout.to_side_street(s + 0.5 * step, side) < SIDE_HALF_M + 0.9 {
             let mouth = [side * half, side * (half + WALK_M)];
             let (left, right) = (mouth[0].min(mouth[1]), mouth[0].max(mouth[1]));
-            flat(mesh, &[at(&b, left, 0.0), at(&b, right, 0.0), at(&a, right, 0.0), at(&a, left, 0.0)], common.asphalt);
+            flat(
+                mesh,
+                &[at(&b, left, 0.0), at(&b, right, 0.0), at(&a, right, 0.0), at(&a, left, 0.0)],
+                common.asphalt,
+            );
             continue;
         }
         walk(mesh, common, [&a, &b], side, s);
@@ -68,7 +87,8 @@ fn section(mesh: &mut Mesh, layout: &Layout<'_>, common: &Common, s: f64, step: 
 
 /// The walk of one side with its kerb; the slabs follow the street.
 fn walk(mesh: &mut Mesh, common: &Common, [a, b]: [&Station; 2], side: f64, s: f64) {
-    let at = |station: &Station, lateral: f64, up: f64| station.beside(side * lateral).position - V3::y() * up;
+    let at =
+        |station: &Station, lateral: f64, up: f64| station.beside(side * lateral).position - V3::y() * up;
     let (inner, stone, outer) = (ROAD_HALF_M, ROAD_HALF_M + 0.16, ROAD_HALF_M + WALK_M);
     let strip = |mesh: &mut Mesh, from: f64, to: f64, surface: Surface| {
         let mut corners = [at(b, from, KERB_M), at(b, to, KERB_M), at(a, to, KERB_M), at(a, from, KERB_M)];
@@ -142,9 +162,15 @@ fn wear(mesh: &mut Mesh, course: &Course, common: &Common, from: f64, to: f64, s
         if r(6) < 0.45 {
             let corner = course.at(from + length * r(7)).beside(3.0 * (2.0 * r(8) - 1.0)).position;
             let offset = [0.0; 2];
-            let corners = [V3::new(0.0, 0.0, 0.7), V3::new(0.7, 0.0, 0.7), V3::new(0.7, 0.0, 0.0), V3::zeros()];
+            let corners =
+                [V3::new(0.0, 0.0, 0.7), V3::new(0.7, 0.0, 0.7), V3::new(0.7, 0.0, 0.0), V3::zeros()];
             let density = [64.0 / 0.7; 2];
-            mesh.add(&corners.map(|c| c + corner), V3::x(), -V3::z(), Surface { offset, density, ..common.manhole });
+            mesh.add(
+                &corners.map(|c| c + corner),
+                V3::x(),
+                -V3::z(),
+                Surface { offset, density, ..common.manhole },
+            );
         }
     }
     for k in 0..5 {
@@ -180,10 +206,16 @@ fn side_street(street: &SideStreet, common: &Common) -> Mesh {
             continue;
         }
         let (dir, side) = (along * sign, right * sign);
-        let point = |forward: f64, lateral: f64, up: f64| street.center + dir * forward + side * lateral - V3::y() * up;
+        let point = |forward: f64, lateral: f64, up: f64| {
+            street.center + dir * forward + side * lateral - V3::y() * up
+        };
         let (near, far) = (ROAD_HALF_M + WALK_M, length);
         let strip = |mesh: &mut Mesh, l: f64, r: f64, up: f64, surface: Surface| {
-            flat(mesh, &[point(far, l, up), point(far, r, up), point(near, r, up), point(near, l, up)], surface);
+            flat(
+                mesh,
+                &[point(far, l, up), point(far, r, up), point(near, r, up), point(near, l, up)],
+                surface,
+            );
         };
         strip(&mut mesh, -SIDE_HALF_M, SIDE_HALF_M, 0.0, common.asphalt);
         for k in [-1.0, 1.0] {
@@ -196,7 +228,16 @@ fn side_street(street: &SideStreet, common: &Common) -> Mesh {
         let mut s = near + 1.0;
         while s + 2.0 < far {
             let half = 0.06;
-            flat(&mut mesh, &[point(s + 2.0, -half, 0.0), point(s + 2.0, half, 0.0), point(s, half, 0.0), point(s, -half, 0.0)], common.paint);
+            flat(
+                &mut mesh,
+                &[
+                    point(s + 2.0, -half, 0.0),
+                    point(s + 2.0, half, 0.0),
+                    point(s, half, 0.0),
+                    point(s, -half, 0.0),
+                ],
+                common.paint,
+            );
             s += 5.0;
         }
     }

@@ -69,7 +69,14 @@ pub(crate) fn side_streets(course: &Course, settings: &Settings, seed: u64) -> V
         }
         if left_m + right_m > 0.0 {
             let heading = station.heading + FRAC_PI_2;
-            streets.push(SideStreet { s, center: station.position, right: station.right(), heading, left_m, right_m });
+            streets.push(SideStreet {
+                s,
+                center: station.position,
+                right: station.right(),
+                heading,
+                left_m,
+                right_m,
+            });
             s += rng.random_range(55.0..95.0);
         } else {
             s += 6.0;
@@ -81,14 +88,23 @@ pub(crate) fn side_streets(course: &Course, settings: &Settings, seed: u64) -> V
 /// How far a side street can run before it comes within 24 m of the course again; 0 when that is less than 38 m.
 fn arm_length(course: &Course, station: &Station, sign: f64) -> f64 {
     let mut length: f64 = 26.0;
-    while length < 75.0 && course.distance(&(station.position + station.right() * sign * (length + 24.0))) > 24.0 {
+    while length < 75.0
+        && course.distance(&(station.position + station.right() * sign * (length + 24.0))) > 24.0
+    {
         length += 3.0;
     }
     if length < 38.0 { 0.0 } else { length }
 }
 
 /// Builds everything that stands still around the course.
-pub(crate) fn build(course: &Course, side_streets: &[SideStreet], settings: &Settings, common: &Common, scene: &mut Scene, seed: u64) {
+pub(crate) fn build(
+    course: &Course,
+    side_streets: &[SideStreet],
+    settings: &Settings,
+    common: &Common,
+    scene: &mut Scene,
+    seed: u64,
+) {
     let layout = Layout { course, side_streets: side_streets.to_vec(), houses: Vec::new() };
     let rng = ChaCha8Rng::seed_from_u64(mix_seed(seed, 0, 2));
     let mut town = Town { layout, common, settings, scene, rng, looks: 0, known: Vec::new() };
@@ -146,7 +162,10 @@ impl Town<'_, '_> {
             let width = 13.0;
             let front = line(length + 1.0).beside(-0.5 * width);
             let end = Footprint { placement: front, width, depth: 9.0 };
-            if self.layout.has_room(&Footprint { placement: line(length + 5.4).beside(-0.5 * width), ..end }, 7.4) {
+            if self
+                .layout
+                .has_room(&Footprint { placement: line(length + 5.4).beside(-0.5 * width), ..end }, 7.4)
+            {
                 self.house(Footprint { placement: line(length + 5.4).beside(-0.5 * width), ..end }, 3, false);
             }
             for side in [-1.0, 1.0] {
@@ -156,22 +175,32 @@ impl Town<'_, '_> {
     }
 
     /// Houses side by side along a line from `from` to `to`, their fronts `lateral` metres (or a front garden more) from it.
-    fn row(&mut self, line: &dyn Fn(f64) -> Station, from: f64, to: f64, side: f64, lateral: f64, clearance: f64) {
+    fn row(
+        &mut self,
+        line: &dyn Fn(f64) -> Station,
+        from: f64,
+        to: f64,
+        side: f64,
+        lateral: f64,
+        clearance: f64,
+    ) {
         let regular = self.settings.regular;
         let mut s = from;
         let (mut setback, mut left_in_group) = (0.0, 0);
         while s < to {
             if left_in_group == 0 {
                 left_in_group = self.rng.random_range(2..6);
-                setback = if regular || self.rng.random_bool(0.6) { 0.1 } else { self.rng.random_range(2.0..5.0) };
+                setback =
+                    if regular || self.rng.random_bool(0.5) { 0.1 } else { self.rng.random_range(2.0..5.0) };
             }
             let wish = if regular { 12.0 } else { self.rng.random_range(8.5..16.0) };
             let depth = if regular { 10.0 } else { self.rng.random_range(8.0..11.5) };
-            let storeys = if regular { 3 } else { self.rng.random_range(2..6) };
-            let fits = [(wish, depth), (0.7 * wish, 0.8 * depth), (6.0, 6.0)].into_iter().find_map(|(w, d)| {
-                let footprint = footprint_along(line, s, to, side, lateral + setback, w, d)?;
-                self.layout.has_room(&footprint, clearance).then_some(footprint)
-            });
+            let storeys = if regular { 3 } else { [1, 2, 2, 2, 3, 3, 4, 5][self.rng.random_range(0..8)] };
+            let fits =
+                [(wish, depth), (0.7 * wish, 0.8 * depth), (6.0, 6.0)].into_iter().find_map(|(w, d)| {
+                    let footprint = footprint_along(line, s, to, side, lateral + setback, w, d)?;
+                    self.layout.has_room(&footprint, clearance).then_some(footprint)
+                });
             let Some(footprint) = fits else {
                 s += 1.0;
                 continue;
@@ -179,7 +208,8 @@ impl Town<'_, '_> {
             self.house(footprint, storeys, false);
             left_in_group -= 1;
             let gap = if regular || left_in_group > 0 { 0.02 } else { self.rng.random_range(1.0..7.0) };
-            s = beyond(line, s, side * (lateral + setback), footprint.width).unwrap_or(s + footprint.width) + gap;
+            s = beyond(line, s, side * (lateral + setback), footprint.width).unwrap_or(s + footprint.width)
+                + gap;
         }
     }
 
@@ -256,7 +286,11 @@ impl Town<'_, '_> {
                     let gain = if regular { 1.0 } else { self.rng.random_range(0.75..1.2) };
                     self.scene.place(tree, at(ROAD_HALF_M + 1.0, spin), gain);
                 }
-                4 | 5 => self.scene.place(boxes[self.rng.random_range(0..boxes.len())], at(ROAD_HALF_M + 2.55, inward), 1.0),
+                4 | 5 => self.scene.place(
+                    boxes[self.rng.random_range(0..boxes.len())],
+                    at(ROAD_HALF_M + 2.55, inward),
+                    1.0,
+                ),
                 6 | 7 => {
                     let sign = signs[self.rng.random_range(0..signs.len())];
                     let turn = if side > 0.0 { 0.0 } else { std::f64::consts::PI };
@@ -265,7 +299,15 @@ impl Town<'_, '_> {
                 _ => {}
             }
             if slot % 3 == 0 && to_street > SIDE_HALF_M + 1.5 {
-                self.scene.place(lamp, { let mut p = at(ROAD_HALF_M + 0.45, inward); p.position += course.at(s).right().cross(&V3::y()) * 2.5; p }, 1.0);
+                self.scene.place(
+                    lamp,
+                    {
+                        let mut p = at(ROAD_HALF_M + 0.45, inward);
+                        p.position += course.at(s).right().cross(&V3::y()) * 2.5;
+                        p
+                    },
+                    1.0,
+                );
             }
             slot += 1;
             s += if regular { 9.0 } else { self.rng.random_range(6.5..11.0) };
@@ -296,16 +338,23 @@ impl Town<'_, '_> {
             if self.rng.random_bool(0.15) {
                 style = self.rng.random_range(0..walls.len() + 2);
             }
-            let clear = self.layout.is_free(&place.position, 0.3, edge - 0.5) && self.layout.to_side_street(s + 0.5 * length, side) > SIDE_HALF_M + 2.0;
+            let clear = self.layout.is_free(&place.position, 0.3, edge - 0.5)
+                && self.layout.to_side_street(s + 0.5 * length, side) > SIDE_HALF_M + 2.0;
             if clear {
-                if let Some(footprint) = footprint_along(&|s| course.at(s), s, s + 2.0 * length, side, edge, length, 0.5) {
+                if let Some(footprint) =
+                    footprint_along(&|s| course.at(s), s, s + 2.0 * length, side, edge, length, 0.5)
+                {
                     let mesh = walls.get(style).copied().unwrap_or(fence);
                     self.scene.place(mesh, footprint.placement, 1.0);
                 }
                 let behind = course.at(s + 1.0).beside(side * (edge + self.rng.random_range(1.4..2.4)));
                 if self.rng.random_bool(0.5) && self.layout.is_free(&behind.position, 0.6, edge) {
                     let pick = bush[self.rng.random_range(0..bush.len())];
-                    self.scene.place(pick, Placement { yaw: self.rng.random_range(0.0..6.28), ..behind }, 1.0);
+                    self.scene.place(
+                        pick,
+                        Placement { yaw: self.rng.random_range(0.0..6.28), ..behind },
+                        1.0,
+                    );
                 }
                 let deep = course.at(s).beside(side * (edge + self.rng.random_range(3.5..12.0)));
                 if self.rng.random_bool(0.3) && self.layout.is_free(&deep.position, 1.2, edge + 2.5) {
@@ -323,11 +372,21 @@ impl Town<'_, '_> {
 fn beyond(line: &dyn Fn(f64) -> Station, s: f64, lateral: f64, width: f64) -> Option<f64> {
     let start = line(s).beside(lateral).position;
     let steps = (16.0 * width) as i32;
-    (1..steps).map(|k| s + 0.25 * f64::from(k)).find(|end| (line(*end).beside(lateral).position - start).norm() >= width)
+    (1..steps)
+        .map(|k| s + 0.25 * f64::from(k))
+        .find(|end| (line(*end).beside(lateral).position - start).norm() >= width)
 }
 
 /// Ground of a house whose front is a chord of the line's offset curve and starts at `s`; `None` when it would end beyond `to`.
-fn footprint_along(line: &dyn Fn(f64) -> Station, s: f64, to: f64, side: f64, lateral: f64, width: f64, depth: f64) -> Option<Footprint> {
+fn footprint_along(
+    line: &dyn Fn(f64) -> Station,
+    s: f64,
+    to: f64,
+    side: f64,
+    lateral: f64,
+    width: f64,
+    depth: f64,
+) -> Option<Footprint> {
     let end = beyond(line, s, side * lateral, width)?;
     if end > to {
         return None;
@@ -395,7 +454,12 @@ mod tests {
         let (_, town) = scene(Preset::Town, 5);
         let (_, facades) = scene(Preset::Facades, 5);
         let fronts = |scene: &Scene| {
-            scene.recipes.list.iter().filter(|r| matches!(r, crate::library::Recipe::Facade(p) if !p.blank)).count()
+            scene
+                .recipes
+                .list
+                .iter()
+                .filter(|r| matches!(r, crate::library::Recipe::Facade(p) if !p.blank))
+                .count()
         };
         assert!(fronts(&town) > 150, "{}", fronts(&town));
         assert!(fronts(&facades) < 20, "{}", fronts(&facades));

@@ -139,13 +139,19 @@ impl Traffic {
         let course = world.course;
         let mut round_start = 0.0;
         while round_start < world.drive.length {
-            for (i, street) in world.side_streets.iter().enumerate().filter(|(_, street)| street.is_crossing()) {
+            for (i, street) in
+                world.side_streets.iter().enumerate().filter(|(_, street)| street.is_crossing())
+            {
                 let ahead = rng.random_range(20.0..32.0);
                 let (sign, kind) = (if rng.random_bool(0.5) { 1.0 } else { -1.0 }, self.car(rng));
                 let speed = rng.random_range(5.0..8.0);
                 let meet = round_start + street.s - ahead;
                 let halted = world.halts.iter().any(|halt| halt.street == i);
-                if !rng.random_bool(world.settings.crossing) || halted || meet < 5.0 || meet > world.drive.length {
+                if !rng.random_bool(world.settings.crossing)
+                    || halted
+                    || meet < 5.0
+                    || meet > world.drive.length
+                {
                     continue;
                 }
                 let t = world.drive.time_at(meet);
@@ -314,12 +320,14 @@ fn slots(world: &TrafficPlan<'_>, seed: u64) -> Vec<Slot> {
             let lateral = side * (ROAD_HALF_M - 1.05 + rng.random_range(-0.15..0.1));
             let changes = rng.random_bool(CHANGED);
             let station = course.at(s);
-            let near_street = world.side_streets.iter().any(|street| (street.s - s).abs() < SIDE_HALF_M + 10.0);
+            let near_street =
+                world.side_streets.iter().any(|street| (street.s - s).abs() < SIDE_HALF_M + 10.0);
             if station.curvature.abs() > 0.02 || near_street {
                 continue;
             }
             let mut placement = station.beside(lateral);
-            placement.yaw += rng.random_range(-0.02..0.02) + if side < 0.0 { std::f64::consts::PI } else { 0.0 };
+            placement.yaw +=
+                rng.random_range(-0.02..0.02) + if side < 0.0 { std::f64::consts::PI } else { 0.0 };
             let seed = mix_seed(seed, 2 * i as u64 + u64::from(side > 0.0), 7);
             slots.push(Slot { s, placement, changes, seed });
         }

@@ -45,9 +45,15 @@ pub(crate) fn build(model: Model, recipes: &mut Recipes, common: &Common, seed: 
     let shadow = V3::new(-0.5 * size.width - 0.12, -0.012, 0.5 * size.length + 0.1);
     body.mesh.quad(shadow, V3::x() * (size.width + 0.24), -V3::z() * (size.length + 0.2), common.dark);
     match model {
-        Model::Hatchback => body.car(size, 0.88, &Profile { bonnet: 0.95, screen: 0.75, rear_screen: 0.35, boot: 0.05 }),
-        Model::Saloon => body.car(size, 0.88, &Profile { bonnet: 1.05, screen: 0.8, rear_screen: 0.7, boot: 0.62 }),
-        Model::Van => body.car(size, 1.1, &Profile { bonnet: 0.55, screen: 0.75, rear_screen: 0.1, boot: 0.02 }),
+        Model::Hatchback => {
+            body.car(size, 0.88, &Profile { bonnet: 0.95, screen: 0.75, rear_screen: 0.35, boot: 0.05 })
+        }
+        Model::Saloon => {
+            body.car(size, 0.88, &Profile { bonnet: 1.05, screen: 0.8, rear_screen: 0.7, boot: 0.62 })
+        }
+        Model::Van => {
+            body.car(size, 1.1, &Profile { bonnet: 0.55, screen: 0.75, rear_screen: 0.1, boot: 0.02 })
+        }
         Model::Bus => body.boxed(-0.5 * size.length, size.length, size, Part::Box),
         Model::Truck => {
             let cab = 2.3;
@@ -85,7 +91,8 @@ impl Body<'_> {
         let right = corners[1] - corners[0];
         let bottom = corners[2] - corners[3];
         let wide = if right.norm() > bottom.norm() { right } else { bottom };
-        let normal_free = (corners[3] - corners[0]) - wide * ((corners[3] - corners[0]).dot(&wide) / wide.norm_squared());
+        let normal_free =
+            (corners[3] - corners[0]) - wide * ((corners[3] - corners[0]).dot(&wide) / wide.norm_squared());
         let mut surface = self.paint(part, [wide.norm(), normal_free.norm()]);
         // The texture starts at the left end of the wider side.
         surface.offset[0] = surface.density[0] * (corners[0] - corners[3]).dot(&wide.normalize()).max(0.0);
@@ -102,21 +109,58 @@ impl Body<'_> {
         let tail = rear + profile.boot;
         let inner = half_w - 0.17;
         let p = |x: f64, up: f64, z: f64| V3::new(x, -up, z);
-        self.face(Part::Front, [p(half_w, nose, front), p(-half_w, nose, front), p(-half_w, bottom, front), p(half_w, bottom, front)]);
-        self.face(Part::Rear, [p(-half_w, belt, rear), p(half_w, belt, rear), p(half_w, bottom, rear), p(-half_w, bottom, rear)]);
-        self.face(Part::Sheet, [p(-half_w, belt, base), p(half_w, belt, base), p(half_w, nose, front), p(-half_w, nose, front)]);
-        self.face(Part::Sheet, [p(-half_w, belt, rear), p(-half_w, belt, tail), p(half_w, belt, tail), p(half_w, belt, rear)]);
         self.face(
-            Part::Glass,
-            [p(inner, size.height, roof_front), p(-inner, size.height, roof_front), p(-half_w, belt, base), p(half_w, belt, base)],
+            Part::Front,
+            [
+                p(half_w, nose, front),
+                p(-half_w, nose, front),
+                p(-half_w, bottom, front),
+                p(half_w, bottom, front),
+            ],
         );
         self.face(
-            Part::Glass,
-            [p(-inner, size.height, roof_rear), p(inner, size.height, roof_rear), p(half_w, belt, tail), p(-half_w, belt, tail)],
+            Part::Rear,
+            [
+                p(-half_w, belt, rear),
+                p(half_w, belt, rear),
+                p(half_w, bottom, rear),
+                p(-half_w, bottom, rear),
+            ],
         );
         self.face(
             Part::Sheet,
-            [p(-inner, size.height, roof_front), p(inner, size.height, roof_front), p(inner, size.height, roof_rear), p(-inner, size.height, roof_rear)],
+            [p(-half_w, nose, front), p(half_w, nose, front), p(half_w, belt, base), p(-half_w, belt, base)],
+        );
+        self.face(
+            Part::Sheet,
+            [p(-half_w, belt, tail), p(half_w, belt, tail), p(half_w, belt, rear), p(-half_w, belt, rear)],
+        );
+        self.face(
+            Part::Glass,
+            [
+                p(inner, size.height, roof_front),
+                p(-inner, size.height, roof_front),
+                p(-half_w, belt, base),
+                p(half_w, belt, base),
+            ],
+        );
+        self.face(
+            Part::Glass,
+            [
+                p(-inner, size.height, roof_rear),
+                p(inner, size.height, roof_rear),
+                p(half_w, belt, tail),
+                p(-half_w, belt, tail),
+            ],
+        );
+        self.face(
+            Part::Sheet,
+            [
+                p(-inner, size.height, roof_front),
+                p(inner, size.height, roof_front),
+                p(inner, size.height, roof_rear),
+                p(-inner, size.height, roof_rear),
+            ],
         );
         self.flanks(size, belt, nose, base);
         for side in [-1.0, 1.0] {
@@ -128,7 +172,8 @@ impl Body<'_> {
 
     /// Side windows between roof and belt; the texture's front is the vehicle's front.
     fn cabin_side(&mut self, side: f64, upper: [V3; 2], lower: [V3; 2]) {
-        let mut surface = self.paint(Part::Windows, [(lower[1] - lower[0]).norm(), (upper[0] - lower[1]).norm() * 0.85]);
+        let mut surface =
+            self.paint(Part::Windows, [(lower[1] - lower[0]).norm(), (upper[0] - lower[1]).norm() * 0.85]);
         let backwards = -V3::z();
         let down = (lower[0] - upper[1]) - V3::z() * (lower[0] - upper[1]).z;
         let from_front = (lower[1].z - upper[0].z).max(0.0);
@@ -176,7 +221,10 @@ impl Body<'_> {
         // The upper half of the front is glass.
         let middle = 0.5 * h;
         self.face(Part::Glass, [p(w, h, front), p(-w, h, front), p(-w, middle, front), p(w, middle, front)]);
-        self.face(Part::Front, [p(w, middle, front), p(-w, middle, front), p(-w, bottom, front), p(w, bottom, front)]);
+        self.face(
+            Part::Front,
+            [p(w, middle, front), p(-w, middle, front), p(-w, bottom, front), p(w, bottom, front)],
+        );
         self.face(Part::Rear, [p(-w, h, rear), p(w, h, rear), p(w, bottom, rear), p(-w, bottom, rear)]);
         self.face(Part::Sheet, [p(-w, h, front), p(w, h, front), p(w, h, rear), p(-w, h, rear)]);
     }
@@ -185,8 +233,10 @@ impl Body<'_> {
     fn wheels(&mut self, size: Size) {
         let large = size.length > 8.0;
         let radius = if large { 0.48 } else { 0.32 };
-        let axles: &[f64] = if size.length > 13.0 { &[-0.42, -0.34, -0.26, 0.25, 0.42] } else { &[-0.31, 0.32] };
-        let rim = |x: f64, z: f64, angle: f64| V3::new(x, -radius - radius * angle.sin(), z + radius * angle.cos());
+        let axles: &[f64] =
+            if size.length > 13.0 { &[-0.42, -0.34, -0.26, 0.25, 0.42] } else { &[-0.31, 0.32] };
+        let rim =
+            |x: f64, z: f64, angle: f64| V3::new(x, -radius - radius * angle.sin(), z + radius * angle.cos());
         let n = 12;
         for axle in axles {
             let z = axle * size.length;

@@ -57,7 +57,9 @@ pub(crate) fn bake(part: Part, model: Model, seed: u32) -> Texture {
     };
     let mut canvas = Canvas::new(w, h, [1.0, 1.0], tone);
     // Reflections of the street in the paint.
-    canvas.shade(|x, y, g| g + 12.0 * octaves(4.0 * x, 9.0 * y, [64, 64], 4, 0.65, seed ^ 0x17) - 18.0 * (y - 0.4));
+    canvas.shade(|x, y, g| {
+        g + 12.0 * octaves(4.0 * x, 9.0 * y, [64, 64], 4, 0.65, seed ^ 0x17) - 18.0 * (y - 0.4)
+    });
     match part {
         Part::Flank => flank(&mut canvas, tone, model),
         Part::Windows => windows(&mut canvas, tone, seed),
@@ -93,7 +95,9 @@ fn flank(canvas: &mut Canvas, tone: f32, model: Model) {
 }
 
 fn windows(canvas: &mut Canvas, tone: f32, seed: u32) {
-    let pane = |x: f32, y: f32| 38.0 + 26.0 * octaves(6.0 * x, 3.0 * y, [64, 64], 4, 0.6, seed ^ 0x71) + 35.0 * (0.4 - y).max(0.0);
+    let pane = |x: f32, y: f32| {
+        38.0 + 26.0 * octaves(6.0 * x, 3.0 * y, [64, 64], 4, 0.6, seed ^ 0x71) + 35.0 * (0.4 - y).max(0.0)
+    };
     for (x, w) in [(0.12, 0.32), (0.47, 0.26), (0.76, 0.15)] {
         canvas.fill(Rect::new(x - 0.012, 0.08, w + 0.024, 0.84), 20.0);
         canvas.paint(Rect::new(x, 0.13, w, 0.76), 1.0, pane);

@@ -150,7 +150,10 @@ impl World {
     /// The camera pair: KITTI's focal length and image size, 0.54 m apart, no distortion.
     #[must_use]
     pub fn rig(&self) -> StereoRig {
-        StereoRig { camera: Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 }, baseline_m: 0.54 }
+        StereoRig {
+            camera: Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 },
+            baseline_m: 0.54,
+        }
     }
 
     /// Image width and height, pixels.
@@ -178,7 +181,13 @@ impl World {
         let (left, right) = rayon::join(
             || {
                 let shot = self.sensor.shot(Eye::Left, i, moment.t);
-                render::picture_and_truth(&moment.views[0], &self.meshes, &moment.instances, &self.library, &shot)
+                render::picture_and_truth(
+                    &moment.views[0],
+                    &self.meshes,
+                    &moment.instances,
+                    &self.library,
+                    &shot,
+                )
             },
             || self.picture(&moment, Eye::Right, i),
         );
