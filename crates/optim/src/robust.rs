@@ -6,8 +6,11 @@ pub const CHI2_MONO: f64 = 5.991;
 pub const CHI2_STEREO: f64 = 7.815;
 
 /// Whitened squared error counted for an observation whose point lies behind the camera, where no residual exists: a
-/// constant, so that it neither pulls nor makes it profitable to push points behind a camera (1000 sigma).
+/// constant (1000 sigma), so that it neither pulls nor makes it profitable to push points behind a camera.
 pub(crate) const BEHIND_CHI_SQ: f64 = 1e6;
+
+/// A step that promises less than this, in whitened units, ends a descent whatever the tolerance: rounding is near.
+pub(crate) const NEGLIGIBLE_DECREASE: f64 = 1e-15;
 
 /// Loss applied to the whitened squared error of one observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use super::cholesky::BlockCholesky;
 use super::model::{Linearization, ObservationModel, Point};
 use super::point::{PointFactor, damping_scale};
 use super::structure::{NONE, Structure};
-use crate::robust::{BEHIND_CHI_SQ, Loss};
+use crate::robust::{BEHIND_CHI_SQ, CHI2_MONO, Loss};
 use crate::simd::{Kernel, Lanes};
 
 /// Cameras and points under estimation.
@@ -16,6 +16,27 @@ use crate::simd::{Kernel, Lanes};
 pub(crate) struct Estimate<K> {
     pub(crate) cameras: Vec<K>,
     pub(crate) points: Vec<Point>,
+}
+
+/// Half the sum of the robust squared errors, and how many observations have none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cost {
+    pub(crate) defined: f64,
+    n_undefined: usize,
+    /// Cost counted for each of these.
+    penalty: f64,
+}
+
+impl Cost {
+    /// With the penalty of the undefined observations.
+    pub(crate) fn total(&self) -> f64 {
+        self.defined + self.penalty * self.n_undefined as f64
+    }
+
+    /// How much lower `next` is; the penalties of those that stay undefined leave no rounding.
+    pub(crate) fn decrease_to(&self, next: &Self) -> f64 {
+        self.defined - next.defined + self.penalty * (self.n_undefined as f64 - next.n_undefined as f64)
+    }
 }
 
 /// The damped normal equations of a problem and their solution.
@@ -50,12 +71,12 @@ impl<O: Copy, const C: usize> System<O, C> {
         }
     }
 
-    /// Half the sum of the robust squared errors.
-    pub(crate) fn cost<M>(&self, model: &M, at: &Estimate<M::Camera>, loss: Loss) -> f64
+    /// The cost at `at`.
+    pub(crate) fn cost<M>(&self, model: &M, at: &Estimate<M::Camera>, loss: Loss) -> Cost
     where
         M: ObservationModel<C, Observation = O>,
     {
-        self.lanes.run(Cost { structure: &self.structure, model, at, loss })
+        self.lanes.run(CostKernel { structure: &self.structure, model, at, loss })
     }
 
     /// Builds the reduced camera system at `at`.
@@ -98,28 +119,31 @@ impl<O: Copy, const C: usize> System<O, C> {
     }
 }
 
-struct Cost<'a, M: ObservationModel<C>, const C: usize> {
+struct CostKernel<'a, M: ObservationModel<C>, const C: usize> {
     structure: &'a Structure<M::Observation>,
     model: &'a M,
     at: &'a Estimate<M::Camera>,
     loss: Loss,
 }
 
-impl<M: ObservationModel<C>, const C: usize> Kernel for Cost<'_, M, C> {
-    type Output = f64;
+impl<M: ObservationModel<C>, const C: usize> Kernel for CostKernel<'_, M, C> {
+    type Output = Cost;
 
     #[inline(always)]
-    fn run(self) -> f64 {
-        let mut sum = 0.0;
+    fn run(self) -> Cost {
+        let (mut sum, mut n_undefined) = (0.0, 0);
         for (point, range) in self.structure.point_edges.windows(2).enumerate() {
             let x = &self.at.points[point];
             for edge in &self.structure.edges[range[0] as usize..range[1] as usize] {
                 let camera = &self.at.cameras[edge.camera as usize];
-                let chi_sq = self.model.chi_sq(camera, x, &edge.observation).unwrap_or(BEHIND_CHI_SQ);
-                sum += self.loss.rho(chi_sq, self.model.delta_sq(&edge.observation));
+                match self.model.chi_sq(camera, x, &edge.observation) {
+                    Some(chi_sq) => sum += self.loss.rho(chi_sq, self.model.delta_sq(&edge.observation)),
+                    None => n_undefined += 1,
+                }
             }
         }
-        0.5 * sum
+        let penalty = 0.5 * self.loss.rho(BEHIND_CHI_SQ, CHI2_MONO);
+        Cost { defined: 0.5 * sum, n_undefined, penalty }
     }
 }
 

@@ -5,7 +5,7 @@ use super::model::{ObservationModel, Point};
 use super::schur::{Estimate, System};
 use super::structure::Structure;
 use crate::report::StopReason;
-use crate::robust::Loss;
+use crate::robust::{Loss, NEGLIGIBLE_DECREASE};
 use crate::simd::Lanes;
 
 /// Damping is kept within these bounds; at the upper one no step is left to try.
@@ -56,8 +56,8 @@ pub struct Minimum<K> {
 /// Minimises half the sum of (robust) squared errors over all points and free cameras.
 ///
 /// Levenberg-Marquardt with Marquardt's diagonal scaling and Nielsen's gain-ratio damping (Madsen, Nielsen, Tingleff,
-/// "Methods for non-linear least squares problems", 2004, section 3.2). Observations that their camera cannot evaluate count
-/// a constant.
+/// "Methods for non-linear least squares problems", 2004, section 3.2). Each observation
+/// that its camera cannot evaluate adds a constant to the cost.
 ///
 /// # Panics
 /// When an edge names a camera or point that does not exist, or `fixed` has another length than `cameras`.
@@ -82,7 +82,10 @@ pub(crate) fn minimize_with<M, const C: usize>(
 where
     M: ObservationModel<C>,
 {
-    assert_eq!(graph.cameras.len(), graph.fixed.len(), "one `fixed` flag per camera");
+    let (n_cameras, n_points) = (graph.cameras.len(), graph.points.len());
+    assert_eq!(n_cameras, graph.fixed.len(), "one `fixed` flag per camera");
+    let is_known = |e: &Edge<_>| (e.camera as usize) < n_cameras && (e.point as usize) < n_points;
+    assert!(graph.edges.iter().all(is_known), "an observation names a camera or point that does not exist");
     let loss = if options.robust { Loss::Huber } else { Loss::Squared };
     let (structure, matrix) = Structure::new::<C>(&graph.fixed, graph.points.len(), &graph.edges);
     let mut system = System::new(structure, matrix, lanes);
@@ -101,36 +104,30 @@ where
         }
         iterations += 1;
         system.linearize(model, &current, loss, damping.lambda);
-        let Some(predicted) = system.solve_step(model, &current, &mut trial) else {
-            match damping.raise() {
-                true => continue,
-                false => break StopReason::NoDescent,
+        let mut decrease = f64::NAN;
+        if let Some(predicted) = system.solve_step(model, &current, &mut trial) {
+            let trial_cost = system.cost(model, &trial, loss);
+            decrease = cost.decrease_to(&trial_cost);
+            let small = options.relative_tolerance.max(f64::EPSILON) * cost.defined;
+            let is_last = predicted <= small.max(NEGLIGIBLE_DECREASE);
+            if decrease > 0.0 {
+                std::mem::swap(&mut current, &mut trial);
+                cost = trial_cost;
+                damping.accept(decrease / predicted);
             }
-        };
-        if predicted <= f64::EPSILON * cost {
-            break StopReason::Converged;
-        }
-        let trial_cost = system.cost(model, &trial, loss);
-        let decrease = cost - trial_cost;
-        if decrease > 0.0 {
-            std::mem::swap(&mut current, &mut trial);
-            let small = decrease <= options.relative_tolerance * cost && predicted <= options.relative_tolerance * cost;
-            cost = trial_cost;
-            damping.accept(decrease / predicted);
-            if small {
+            if is_last {
                 break StopReason::Converged;
             }
-        } else if predicted <= options.relative_tolerance * cost {
-            break StopReason::Converged;
-        } else if !damping.raise() {
+        }
+        if !(decrease > 0.0) && !damping.raise() {
             break StopReason::NoDescent;
         }
     };
     Minimum {
         cameras: current.cameras,
         points: current.points,
-        initial_cost,
-        final_cost: cost,
+        initial_cost: initial_cost.total(),
+        final_cost: cost.total(),
         iterations,
         stop,
     }

@@ -11,7 +11,7 @@ use geometry::{SE3, StereoRig, Vec2, Vec3, Vec6};
 
 use crate::bundle::solver::Damping;
 use crate::report::{Report, StopReason};
-use crate::robust::Loss;
+use crate::robust::{Loss, NEGLIGIBLE_DECREASE};
 use crate::simd::Lanes;
 use normal::{Normal, Packs};
 
@@ -170,7 +170,7 @@ impl Descent {
                 let trial_pose = SE3::exp(&Vec6::from(step.vector)) * self.cam_from_world;
                 let trial = self.packs.normal(&trial_pose, self.loss);
                 decrease = current.cost - trial.cost;
-                let is_last = step.predicted <= tolerance * current.cost;
+                let is_last = step.predicted <= (tolerance * current.cost).max(NEGLIGIBLE_DECREASE);
                 if decrease > 0.0 {
                     self.cam_from_world = trial_pose;
                     damping.accept(decrease / step.predicted);

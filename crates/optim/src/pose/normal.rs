@@ -252,7 +252,7 @@ fn huber(loss: Loss, chi_sq: F4, limit: F4) -> (F4, F4) {
         Loss::Huber => {
             let beyond = chi_sq.above(limit);
             let root = (limit * chi_sq).sqrt();
-            let weight = beyond.select(limit.map2(root, |delta_sq, root| delta_sq / root), one);
+            let weight = beyond.select(root.map2(chi_sq, |root, chi_sq| root / chi_sq), one);
             (beyond.select(root + root - limit, chi_sq), weight)
         }
     }

@@ -103,8 +103,8 @@ impl ObservationModel<9> for BalModel {
 
 /// Reads a problem: counts, then camera, point, x, y per observation, then all values.
 pub fn parse(text: &str) -> Graph<BalCamera, [f64; 2]> {
-    let mut numbers = text.split_ascii_whitespace().map(|word| word.parse::<f64>().unwrap());
-    let mut next = || numbers.next().unwrap();
+    let mut numbers = text.split_ascii_whitespace().map(|word| word.parse::<f64>().expect("a number"));
+    let mut next = || numbers.next().expect("another number");
     let [n_cameras, n_points, n] = [next() as usize, next() as usize, next() as usize];
     let edges = (0..n)
         .map(|_| Edge { camera: next() as u32, point: next() as u32, observation: [next(), next()] })

@@ -2,7 +2,7 @@
 
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
-use geometry::{Pinhole, SE3, StereoRig, Vec2, Vec3, Vec6};
+use geometry::{Mat6, Pinhole, SE3, StereoRig, Vec2, Vec3, Vec6};
 use optim::{BundleObservation, BundleProblem, PoseObservation};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -166,4 +166,58 @@ pub fn frame(seed: u64, n: usize, noise_px: f64, outliers: f64, mono_share: f64)
         });
     }
     (cam_from_world, observations)
+}
+
+/// Squared whitened error straight from the rig's projection; `None` behind the camera.
+pub fn chi_sq(rig: &StereoRig, cam_from_world: &SE3, point: &Vec3, o: &BundleObservation) -> Option<f64> {
+    let p = *cam_from_world * *point;
+    (p.z > 0.0).then(|| {
+        let residual = residual(rig, cam_from_world, point, o);
+        residual.norm_squared()
+    })
+}
+
+/// Whitened residual straight from the rig's projection; the third is 0 without a right measurement.
+pub fn residual(rig: &StereoRig, cam_from_world: &SE3, point: &Vec3, o: &BundleObservation) -> Vec3 {
+    let projection = rig.project(&(*cam_from_world * *point));
+    let right = if o.right_u.is_nan() { 0.0 } else { projection.z - o.right_u };
+    Vec3::new(projection.x - o.pixel.x, projection.y - o.pixel.y, right) * o.inv_sigma_sq.sqrt()
+}
+
+/// Half the sum of the squared or Huber errors, straight from the definitions.
+pub fn cost(rig: &StereoRig, cameras: &[SE3], points: &[Vec3], observations: &[BundleObservation], robust: bool) -> f64 {
+    let mut sum = 0.0;
+    for o in observations {
+        let s = chi_sq(rig, &cameras[o.camera as usize], &points[o.point as usize], o).expect("in front");
+        let delta_sq = if o.right_u.is_nan() { 5.991f64 } else { 7.815 };
+        sum += if robust && s > delta_sq { 2.0 * (delta_sq * s).sqrt() - delta_sq } else { s };
+    }
+    0.5 * sum
+}
+
+/// Numeric J^T J and J^T r of a pose under left perturbations, central differences.
+pub fn numeric_normal(rig: &StereoRig, cam_from_world: &SE3, observations: &[PoseObservation]) -> (Mat6, Vec6) {
+    let (mut hessian, mut gradient) = (Mat6::zeros(), Vec6::zeros());
+    for o in observations {
+        let at = |step: Vec6| residual(rig, &(SE3::exp(&step) * *cam_from_world), &o.point_world, &as_bundle(o));
+        let rows: [Vec3; 6] = std::array::from_fn(|k| {
+            let mut step = Vec6::zeros();
+            step[k] = 1e-6;
+            (at(step) - at(-step)) / 2e-6
+        });
+        let r = at(Vec6::zeros());
+        for i in 0..6 {
+            gradient[i] += rows[i].dot(&r);
+            for j in 0..6 {
+                hessian[(i, j)] += rows[i].dot(&rows[j]);
+            }
+        }
+    }
+    (hessian, gradient)
+}
+
+/// A pose's observation as one of camera 0 and point 0.
+pub fn as_bundle(o: &PoseObservation) -> BundleObservation {
+    let PoseObservation { pixel, right_u, inv_sigma_sq, .. } = *o;
+    BundleObservation { camera: 0, point: 0, pixel, right_u, inv_sigma_sq }
 }
