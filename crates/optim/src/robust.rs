@@ -5,9 +5,9 @@ pub const CHI2_MONO: f64 = 5.991;
 /// Chi-square, 3 degrees of freedom, 95 %.
 pub const CHI2_STEREO: f64 = 7.815;
 
-/// Whitened squared error counted for an observation whose point lies behind the camera, where no residual exists: a
-/// constant (1000 sigma), so that it neither pulls nor makes it profitable to push points behind a camera.
-pub(crate) const BEHIND_CHI_SQ: f64 = 1e6;
+/// Cap of the whitened squared error (1000 sigma): what lies beyond, or behind the camera where no residual exists, counts
+/// this much and pulls nothing. So the cost has no step where a point crosses the image plane, and none crosses for gain.
+pub(crate) const MAX_CHI_SQ: f64 = 1e6;
 
 /// A step that promises less than this, in whitened units, ends a descent whatever the tolerance: rounding is near.
 pub(crate) const NEGLIGIBLE_DECREASE: f64 = 1e-15;

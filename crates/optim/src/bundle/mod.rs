@@ -12,7 +12,7 @@ pub(crate) mod structure;
 use geometry::{SE3, StereoRig, Vec2, Vec3};
 
 use crate::report::Report;
-use crate::robust::BEHIND_CHI_SQ;
+use crate::robust::MAX_CHI_SQ;
 use model::ObservationModel;
 use rig::{RigCamera, RigModel, RigObservation};
 use solver::{Edge, Graph, minimize};
@@ -73,7 +73,7 @@ pub struct BundleSolution {
     pub cameras: Vec<SE3>,
     /// Points in the world, metres.
     pub points: Vec<Vec3>,
-    /// Whitened squared error per observation, in input order; a large constant where the point is behind the camera.
+    /// Whitened squared error per observation, in input order; 1e6 where it is larger or the point is behind the camera.
     pub chi_sq: Vec<f64>,
     /// Per observation whether its point lies in front of its camera.
     pub in_front: Vec<bool>,
@@ -83,6 +83,7 @@ pub struct BundleSolution {
 
 /// Minimises the reprojection errors over all points and free cameras (local and global bundle adjustment).
 ///
+/// Errors are capped at 1000 sigma, where they pull nothing; the same is counted for points behind their camera.
 /// Without a fixed camera the damping holds the gauge; a point that its observations do not determine moves only in the
 /// directions that they do; a point or camera without observation stays.
 ///
@@ -107,7 +108,7 @@ pub fn refine_bundle(problem: &BundleProblem, options: &BundleOptions) -> Bundle
     let mut n_inliers = 0;
     for Edge { camera, point, observation } in edges {
         let (camera, point) = (&minimum.cameras[camera as usize], &minimum.points[point as usize]);
-        let error = model.chi_sq(camera, point, &observation).unwrap_or(BEHIND_CHI_SQ);
+        let error = model.chi_sq(camera, point, &observation).unwrap_or(MAX_CHI_SQ);
         n_inliers += usize::from(error <= observation.chi_sq_limit());
         chi_sq.push(error);
         in_front.push(camera.is_in_front(point));

@@ -14,7 +14,8 @@ pub trait ObservationModel<const C: usize> {
     /// The camera moved by `step`.
     fn moved(&self, camera: &Self::Camera, step: &[f64; C]) -> Self::Camera;
 
-    /// Squared whitened error; `None` where the measurement is undefined (point behind the camera, or not finite).
+    /// Squared whitened error; `None` where the measurement is undefined (point behind the camera, not finite) or beyond
+    /// the model's cap: it then counts a squared error of 1e6 and pulls nothing.
     fn chi_sq(&self, camera: &Self::Camera, point: &Point, observation: &Self::Observation) -> Option<f64>;
 
     /// Square of Huber's delta for this measurement.

@@ -7,7 +7,7 @@
 use geometry::{SE3, StereoRig, Vec6};
 
 use super::model::{Linearization, ObservationModel, Point};
-use crate::robust::{CHI2_MONO, CHI2_STEREO, Loss};
+use crate::robust::{CHI2_MONO, CHI2_STEREO, Loss, MAX_CHI_SQ};
 
 /// Points nearer to the image plane than this count as behind the camera, metres.
 pub(crate) const MIN_DEPTH_M: f64 = 1e-4;
@@ -109,7 +109,7 @@ impl RigModel {
         let v = self.fy * p[1] * inv_z + self.cy;
         let r = [u - o.u, v - o.v, u - self.bf * inv_z - o.right_u];
         let chi_sq = o.inv_sigma_sq * (r[0] * r[0] + r[1] * r[1]) + o.right_inv_sigma_sq * (r[2] * r[2]);
-        (chi_sq < f64::INFINITY).then_some(Residual { p, inv_z, r, chi_sq })
+        (chi_sq <= MAX_CHI_SQ).then_some(Residual { p, inv_z, r, chi_sq })
     }
 }
 

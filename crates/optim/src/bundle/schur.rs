@@ -8,7 +8,7 @@ use super::cholesky::BlockCholesky;
 use super::model::{Linearization, ObservationModel, Point};
 use super::point::{PointFactor, damping_scale};
 use super::structure::{NONE, Structure};
-use crate::robust::{BEHIND_CHI_SQ, CHI2_MONO, Loss};
+use crate::robust::{Loss, MAX_CHI_SQ};
 use crate::simd::{Kernel, Lanes};
 
 /// Cameras and points under estimation.
@@ -18,24 +18,24 @@ pub(crate) struct Estimate<K> {
     pub(crate) points: Vec<Point>,
 }
 
-/// Half the sum of the robust squared errors, and how many observations have none.
+/// Half the sum of the robust squared errors, in two parts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cost {
+    /// Of observations that are defined.
     pub(crate) defined: f64,
-    n_undefined: usize,
-    /// Cost counted for each of these.
-    penalty: f64,
+    /// Of those that are not and count their cap.
+    undefined: f64,
 }
 
 impl Cost {
-    /// With the penalty of the undefined observations.
+    /// Both parts.
     pub(crate) fn total(&self) -> f64 {
-        self.defined + self.penalty * self.n_undefined as f64
+        self.defined + self.undefined
     }
 
-    /// How much lower `next` is; the penalties of those that stay undefined leave no rounding.
+    /// How much lower `next` is; caps of those that stay undefined leave no rounding.
     pub(crate) fn decrease_to(&self, next: &Self) -> f64 {
-        self.defined - next.defined + self.penalty * (self.n_undefined as f64 - next.n_undefined as f64)
+        (self.defined - next.defined) + (self.undefined - next.undefined)
     }
 }
 
@@ -131,19 +131,19 @@ impl<M: ObservationModel<C>, const C: usize> Kernel for CostKernel<'_, M, C> {
 
     #[inline(always)]
     fn run(self) -> Cost {
-        let (mut sum, mut n_undefined) = (0.0, 0);
+        let (mut defined, mut undefined) = (0.0, 0.0);
         for (point, range) in self.structure.point_edges.windows(2).enumerate() {
             let x = &self.at.points[point];
             for edge in &self.structure.edges[range[0] as usize..range[1] as usize] {
                 let camera = &self.at.cameras[edge.camera as usize];
+                let delta_sq = self.model.delta_sq(&edge.observation);
                 match self.model.chi_sq(camera, x, &edge.observation) {
-                    Some(chi_sq) => sum += self.loss.rho(chi_sq, self.model.delta_sq(&edge.observation)),
-                    None => n_undefined += 1,
+                    Some(chi_sq) => defined += self.loss.rho(chi_sq, delta_sq),
+                    None => undefined += self.loss.rho(MAX_CHI_SQ, delta_sq),
                 }
             }
         }
-        let penalty = 0.5 * self.loss.rho(BEHIND_CHI_SQ, CHI2_MONO);
-        Cost { defined: 0.5 * sum, n_undefined, penalty }
+        Cost { defined: 0.5 * defined, undefined: 0.5 * undefined }
     }
 }
 

@@ -57,7 +57,7 @@ pub struct Minimum<K> {
 ///
 /// Levenberg-Marquardt with Marquardt's diagonal scaling and Nielsen's gain-ratio damping (Madsen, Nielsen, Tingleff,
 /// "Methods for non-linear least squares problems", 2004, section 3.2). Each observation
-/// that its camera cannot evaluate adds a constant to the cost.
+/// that its camera cannot evaluate counts a squared error of 1e6.
 ///
 /// # Panics
 /// When an edge names a camera or point that does not exist, or `fixed` has another length than `cameras`.

@@ -78,8 +78,8 @@ pub struct PoseSolution {
 
 /// Refines the pose of a frame from a prediction, with half of the observations grossly wrong.
 ///
-/// Levenberg-Marquardt on SE(3) (left perturbation, analytic Jacobians). Points behind the camera and observations that are
-/// not finite are outliers. With too few observations the initial pose comes back.
+/// Levenberg-Marquardt on SE(3) (left perturbation, analytic Jacobians). Points behind the camera, errors beyond 1000
+/// sigma and observations that are not finite are outliers that pull nothing. With too few observations the initial pose comes back.
 pub fn refine_pose(
     rig: &StereoRig,
     initial: SE3,

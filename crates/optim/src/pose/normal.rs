@@ -5,7 +5,7 @@ use geometry::{SE3, StereoRig};
 use super::PoseObservation;
 use super::lanes::F4;
 use crate::bundle::rig::MIN_DEPTH_M;
-use crate::robust::{BEHIND_CHI_SQ, CHI2_MONO, CHI2_STEREO, Loss};
+use crate::robust::{MAX_CHI_SQ, CHI2_MONO, CHI2_STEREO, Loss};
 use crate::simd::{Kernel, Lanes};
 
 /// Four observations, structure of arrays.
@@ -108,12 +108,13 @@ impl Packs {
         let right_u = u - F4::splat(self.rig.bf()) * inv_z;
         let r = [u - pack.u, v - pack.v, right_u - pack.right_u];
         let chi_sq = pack.weight * (r[0] * r[0] + r[1] * r[1]) + pack.right_weight * (r[2] * r[2]);
-        let defined = in_front.and(F4::splat(f64::INFINITY).above(chi_sq));
+        let cap = F4::splat(MAX_CHI_SQ);
+        let defined = in_front.and(cap.above(chi_sq));
         Residual {
             p: p.map(|x| defined.select(x, zero)),
             inv_z: defined.select(inv_z, zero),
             r: r.map(|x| defined.select(x, zero)),
-            chi_sq: defined.select(chi_sq, F4::splat(BEHIND_CHI_SQ)),
+            chi_sq: defined.select(chi_sq, cap),
             defined: defined.select(one, zero),
         }
     }
