@@ -60,6 +60,9 @@ pub struct Baseline {
     pub dataset: String,
     /// Sensor used: `stereo`, `rgbd`, `mono`, or `any`.
     pub sensor: String,
+    /// Frames of each whole sequence, where known: a part of a sequence has no published figure.
+    #[serde(default)]
+    pub frames: BTreeMap<String, usize>,
     /// Value of each metric for each sequence.
     pub metrics: BTreeMap<Metric, BTreeMap<String, f64>>,
 }

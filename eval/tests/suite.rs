@@ -205,11 +205,9 @@ fn tables_count_what_was_lost_and_name_what_failed() {
     assert_eq!(names, ["00", "bad", "mean", "pooled"]);
     let cell = &table.rows[0].cells[0];
     assert!(cell.has_lost_frames && cell.value.is_some());
-    assert_eq!(
-        (table.rows[0].cells[4].text.as_str(), table.rows[1].cells[0].text.as_str()),
-        ("0.70", "failed")
-    );
-    assert_eq!(table.rows[1].cells[4].text, "-");
+    assert_eq!((table.rows[0].cells[4].text.as_str(), table.rows[1].cells[0].text.as_str()), ("-", "failed"));
+    let cut = "00: 300 of 4541 frames: no published figure to compare with";
+    assert!(table.notes.iter().any(|note| note == cut), "{:?}", table.notes);
     let lost = "\u{2020} 00/a/1: 2 of 300 frames without a pose of their own (coverage 99.33 %)";
     assert!(table.notes.iter().any(|note| note == lost), "{:?}", table.notes);
     assert!(table.notes.iter().any(|note| note == "bad/a/1: failed: exit status: 1: error: no features"));
@@ -223,6 +221,28 @@ fn tables_count_what_was_lost_and_name_what_failed() {
     let csv = runs_csv(&results);
     let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
     assert_eq!(columns, [columns[0]; 5]);
+}
+
+#[test]
+fn published_figures_stand_beside_whole_sequences_only() {
+    let site = Site::new();
+    let baselines = read_baselines(None).unwrap();
+    let published = |results: &Results, metric| {
+        metric_table(results, &baselines, metric).unwrap().rows[0].cells[4].text.clone()
+    };
+    site.run(&RunOptions { only: Some("bad".to_owned()), ..site.options() });
+    let mut results = Results::read(&site.root.join("results")).unwrap();
+    // Nothing says that the sequence is cut short.
+    assert_eq!(published(&results, Metric::TRelPercent), "0.70");
+    results.plan.lengths_m = vec![10.0];
+    let table = metric_table(&results, &baselines, Metric::TRelPercent);
+    assert!(table.is_none_or(|table| table.columns == ["a", "b"]));
+    results.plan.sequences[0].max_frames = Some(100);
+    let table = metric_table(&results, &baselines, Metric::AteRmseM).unwrap();
+    assert_eq!(table.rows[0].cells[2].text, "-");
+    assert!(
+        table.notes.contains(&"00: not all of 4541 frames: no published figure to compare with".to_owned())
+    );
 }
 
 #[test]

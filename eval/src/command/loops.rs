@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 
+use super::out::say;
 use crate::detections::detections_csv;
 use crate::plot::{PrecisionRecallFigure, save};
 use crate::{Detection, LoopTruth, SamePlace, precision_recall, read_trajectory_file, score_loops};
@@ -49,14 +50,22 @@ pub(super) fn run(args: &LoopsArgs) -> Result<()> {
     let score = score_loops(&pairs, &truth).with_context(|| format!("{}", args.detections.display()))?;
     let percent =
         |v: Option<f64>| v.map_or_else(|| "not defined".to_owned(), |v| format!("{:.2} %", 100.0 * v));
-    println!(
+    say(format!(
         "precision  {}: {} of {} detections",
         percent(score.precision),
         score.n_correct,
         score.n_detections
-    );
-    println!("recall     {}: of {} frames that show a place again", percent(score.recall), score.n_queries);
-    println!("revisits   {}: of {} returns to known places", percent(score.revisit_recall), score.n_revisits);
+    ))?;
+    say(format!(
+        "recall     {}: of {} frames that show a place again",
+        percent(score.recall),
+        score.n_queries
+    ))?;
+    say(format!(
+        "revisits   {}: of {} returns to known places",
+        percent(score.revisit_recall),
+        score.n_revisits
+    ))?;
     let judged: Option<Vec<Detection>> = rows
         .iter()
         .map(|&(query, answer, score)| {
@@ -65,8 +74,8 @@ pub(super) fn run(args: &LoopsArgs) -> Result<()> {
         .collect();
     let Some(judged) = judged.filter(|list| !list.is_empty()) else { return Ok(()) };
     let curve = precision_recall(&judged, score.n_queries)?;
-    println!("AUC        {:.4}", curve.auc);
-    println!("recall at full precision {:.2} %", 100.0 * curve.recall_at_full_precision);
+    say(format!("AUC        {:.4}", curve.auc))?;
+    say(format!("recall at full precision {:.2} %", 100.0 * curve.recall_at_full_precision))?;
     if let Some(path) = &args.out {
         std::fs::write(path, detections_csv(&judged, score.n_queries))
             .with_context(|| format!("cannot write {}", path.display()))?;

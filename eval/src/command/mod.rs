@@ -1,10 +1,7 @@
 //! `dsslam eval`: the command line of this package, included by the `dsslam` program.
-#![allow(
-    clippy::print_stdout,
-    reason = "this module is the program's output; the rest of the package prints nothing"
-)]
 
 mod loops;
+mod out;
 mod suite;
 mod traj;
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
+use super::out::say;
 use crate::baseline::{Baseline, Metric, read_baselines};
 use crate::figures::result_figures;
 use crate::plot;
@@ -99,17 +100,17 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     if let Some(file) = &args.jobs_file {
         let lines = job_lines(&plan, &std::path::absolute(&args.suite)?, &this_program, &options)?;
         write(file, &(lines.join("\n") + "\n"))?;
-        println!("{} commands in {}", lines.len(), file.display());
+        say(format!("{} commands in {}", lines.len(), file.display()))?;
         return Ok(());
     }
     let records = run_suite(&plan, &options, &print_event)?;
     let n_failed = records.iter().filter(|r| r.state != RunState::Done).count();
-    println!(
+    say(format!(
         "{} of {} runs have a result in {}",
         records.len() - n_failed,
         records.len(),
         options.results.display()
-    );
+    ))?;
     if n_failed > 0 {
         bail!(
             "{n_failed} of {} runs failed; each folder has its log.txt, --retry-failed runs them again",
@@ -120,11 +121,13 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
 }
 
 fn print_event(event: Event<'_>) {
-    match event {
-        Event::Skipped(record) => println!("{}: {} before", record.id, ending(record)),
-        Event::Started(id) => println!("{id}: started"),
-        Event::Ended(record) => println!("{}: {} in {:.1} s", record.id, ending(record), record.wall_s),
-    }
+    let line = match event {
+        Event::Skipped(record) => format!("{}: {} before", record.id, ending(record)),
+        Event::Started(id) => format!("{id}: started"),
+        Event::Ended(record) => format!("{}: {} in {:.1} s", record.id, ending(record), record.wall_s),
+    };
+    // A suite goes on when nobody can read its progress; the records are in the results folder.
+    let _ = say(line);
 }
 
 fn ending(record: &RunRecord) -> String {
@@ -147,7 +150,7 @@ pub(super) fn table(args: &TableArgs) -> Result<()> {
     tables.push(("runs", runs_table(&results)));
     let mut markdown = String::new();
     for (name, table) in &tables {
-        println!("{}", table.to_terminal());
+        say(table.to_terminal())?;
         markdown += &format!("{}\n", table.to_markdown());
         write(&folder.join(format!("{name}.csv")), &table.to_csv())?;
         write(&folder.join(format!("{name}.tex")), &table.to_latex())?;
@@ -155,7 +158,7 @@ pub(super) fn table(args: &TableArgs) -> Result<()> {
     }
     write(&folder.join("tables.md"), &markdown)?;
     write(&folder.join("all_runs.csv"), &runs_csv(&results))?;
-    println!("written: {}", folder.display());
+    say(format!("written: {}", folder.display()))?;
     Ok(())
 }
 
@@ -166,12 +169,14 @@ pub(super) fn plot(args: &PlotArgs) -> Result<()> {
     let (figures, problems) = result_figures(&results, &baselines);
     for figure in &figures {
         plot::save(&folder, &figure.name, &figure.figure)?;
-        println!("{}.png, .svg: {}", figure.name, figure.caption);
+        say(format!("{}.png, .svg: {}", figure.name, figure.caption))?;
     }
-    problems.iter().for_each(|problem| println!("not drawn: {problem}"));
+    for problem in &problems {
+        say(format!("not drawn: {problem}"))?;
+    }
     let report = folder.join("report.html");
     write(&report, &html_report(&results, &baselines, &figures, &problems)?)?;
-    println!("written: {} and {} figures beside it", report.display(), figures.len());
+    say(format!("written: {} and {} figures beside it", report.display(), figures.len()))?;
     Ok(())
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 
+use super::out::say;
 use crate::evaluation::{Evaluated, EvaluationOptions, LostFrames, Matched, evaluate};
 use crate::plot::{self, DriftAxis, DriftFigure, ErrorFigure, TrajectoryFigure, View};
 use crate::{
@@ -98,10 +99,10 @@ pub(super) fn run(args: &TrajArgs) -> Result<()> {
     };
     let evaluated = evaluate(&matched, &options)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&evaluated.figures)?);
+        say(serde_json::to_string_pretty(&evaluated.figures)?)?;
     } else {
-        print_files(args, &est, &gt);
-        print!("{}", text(&evaluated, &options));
+        print_files(args, &est, &gt)?;
+        say(text(&evaluated, &options))?;
     }
     if let Some(folder) = &args.plots {
         write_plots(folder, args, &matched, &evaluated)?;
@@ -118,15 +119,16 @@ fn association(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) -> As
     }
 }
 
-fn print_files(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) {
+fn print_files(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) -> Result<()> {
     for (what, path, file) in [("estimate", &args.est, est), ("ground truth", &args.gt, gt)] {
         let repeated = match file.n_repeated_times {
             0 => String::new(),
             n => format!(", {n} rows with the time of the row before left out"),
         };
         let n = file.trajectory.poses.len();
-        println!("{what:<13} {} ({:?}, {n} poses{repeated})", path.display(), file.format);
+        say(format!("{what:<13} {} ({:?}, {n} poses{repeated})", path.display(), file.format))?;
     }
+    Ok(())
 }
 
 /// The figures, one a line.
@@ -164,7 +166,7 @@ fn text(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
         }
         None => format!("scale drift   not defined: fewer than two windows of {} m", options.scale_window_m),
     });
-    lines.join("\n") + "\n"
+    lines.join("\n")
 }
 
 fn coverage(evaluated: &Evaluated) -> String {
@@ -248,6 +250,6 @@ fn write_plots(
             )?;
         }
     }
-    println!("plots         {}", folder.display());
+    say(format!("plots         {}", folder.display()))?;
     Ok(())
 }

@@ -3,8 +3,9 @@
 use super::{Cell, Row, Table};
 use crate::alignment::Alignment;
 use crate::baseline::{Baseline, Metric};
+use crate::drift::KITTI_LENGTHS_M;
 use crate::statistics::median;
-use crate::suite::{Results, RunResult};
+use crate::suite::{Results, RunResult, SequencePlan};
 
 /// The table of one metric; `None` when no run has it and there is nothing to compare with.
 ///
@@ -21,8 +22,10 @@ pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -
     if have_none && (baselines.is_empty() || metric == Metric::Auc) {
         return None;
     }
+    let (comparable, reasons) = comparable_sequences(results, &baselines, metric);
+    let baselines = if comparable.iter().all(Option::is_none) { Vec::new() } else { baselines };
     for baseline in &baselines {
-        columns.push(baseline_column(baseline, &sequences, metric));
+        columns.push(baseline_column(baseline, &comparable, metric));
     }
     let mut rows: Vec<Row> = Vec::new();
     for (i, sequence) in sequences.iter().enumerate() {
@@ -43,6 +46,7 @@ pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -
     // Pooled figures are over different segments where runs failed: none of them is marked.
     rows.iter_mut().filter(|row| row.name != "pooled").for_each(|row| mark_best(row, metric));
     let mut notes: Vec<String> = columns.iter().flat_map(|c| c.notes.iter().cloned()).collect();
+    notes.extend(reasons);
     notes.extend(baselines.iter().map(|b| format!("{}: {}", b.name, b.source)));
     Some(Table {
         title: format!("{}: {}", results.plan.name, metric.label()),
@@ -129,8 +133,45 @@ fn note_run(run: &RunResult, cell: &mut Cell, notes: &mut Vec<String>) {
     }
 }
 
-fn baseline_column(baseline: &Baseline, sequences: &[&str], metric: Metric) -> Column {
-    let values: Vec<Option<f64>> = sequences.iter().map(|s| baseline.value(metric, s)).collect();
+/// Sequences that ran as the published figures were made (`None` for the others), and why the others did not: cut short,
+/// or drift over other segment lengths.
+fn comparable_sequences<'a>(
+    results: &'a Results,
+    baselines: &[&Baseline],
+    metric: Metric,
+) -> (Vec<Option<&'a str>>, Vec<String>) {
+    let plan = &results.plan;
+    let is_drift = matches!(metric, Metric::TRelPercent | Metric::RRelDegPer100m);
+    if baselines.is_empty() {
+        return (vec![None; plan.sequences.len()], Vec::new());
+    }
+    if is_drift && plan.lengths_m != KITTI_LENGTHS_M {
+        let reason =
+            "other segment lengths than 100 to 800 m: no published figure to compare with".to_owned();
+        return (vec![None; plan.sequences.len()], vec![reason]);
+    }
+    let mut reasons = Vec::new();
+    let check = |sequence: &'a SequencePlan| {
+        let run = results.runs.iter().filter(|r| r.id.sequence == sequence.name);
+        let frames = run.filter_map(|r| r.summary.as_ref()?.frames).max();
+        let whole = baselines.iter().find_map(|b| b.frames.get(&sequence.name)).copied();
+        let is_cut = match (frames, whole) {
+            (Some(frames), Some(whole)) => frames < whole,
+            _ => sequence.max_frames.is_some(),
+        };
+        if !is_cut {
+            return Some(sequence.name.as_str());
+        }
+        let of = whole.map(|n| format!(" of {n}")).unwrap_or_default();
+        let shown = frames.map_or_else(|| "not all".to_owned(), |n| n.to_string());
+        reasons.push(format!("{}: {shown}{of} frames: no published figure to compare with", sequence.name));
+        None
+    };
+    (plan.sequences.iter().map(check).collect(), reasons)
+}
+
+fn baseline_column(baseline: &Baseline, sequences: &[Option<&str>], metric: Metric) -> Column {
+    let values: Vec<Option<f64>> = sequences.iter().map(|s| baseline.value(metric, (*s)?)).collect();
     let cells = values
         .iter()
         .map(|&value| Cell { text: published(value, metric), value, ..Cell::default() })

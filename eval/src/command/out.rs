@@ -1,0 +1,13 @@
+//! Standard output: a reader that has seen enough (`| head`) is no error, a full disk is.
+
+use std::io::{ErrorKind, Write};
+
+use anyhow::{Context, Result};
+
+/// Prints `text` and ends the line.
+pub(super) fn say(text: impl AsRef<str>) -> Result<()> {
+    match writeln!(std::io::stdout().lock(), "{}", text.as_ref()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot print the result"),
+        _ => Ok(()),
+    }
+}
