@@ -68,7 +68,7 @@ pub(crate) enum SensorArg {
     Stereo,
     /// A camera and registered depth images.
     Rgbd,
-    /// One camera; scale unknown.
+    /// One camera; refused for now, since a map starts from stereo or RGB-D only.
     Mono,
 }
 

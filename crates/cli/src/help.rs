@@ -20,14 +20,16 @@ pub(crate) fn run() -> String {
 Examples:
   dsslam run kitti/sequences/06 --config configs/kitti.yaml
   dsslam run kitti/sequences/06 --set features.keep=500 --max-frames 200
-  dsslam run rgbd_dataset_freiburg1_desk --config configs/tum-rgbd.yaml --out /tmp/desk
+  dsslam run rgbd_dataset_freiburg1_desk --config configs/tum-rgbd.yaml
 
 Layouts:
-  KITTI odometry   calib.txt, times.txt, image_0 and image_1 (or image_2 and image_3), poses.txt if there
-  TUM RGB-D        rgb.txt, depth.txt, groundtruth.txt if there; the camera comes from the configuration
+  KITTI odometry   calib.txt, times.txt, image_0 and image_1 (or image_2 and image_3),
+                   poses.txt if there
+  TUM RGB-D        rgb.txt, depth.txt, groundtruth.txt if there; the camera comes from the
+                   configuration
 
-Results (see README.md): trajectory.kitti.txt, trajectory.tum.txt, trajectory.png, config.yaml, timings.csv,
-summary.json; results/latest points to the newest run.",
+Results: trajectory.kitti.txt, trajectory.tum.txt, trajectory.png, config.yaml, timings.csv,
+summary.json (README.md explains them); results/latest points to the newest run.",
     )
 }
 

@@ -88,11 +88,11 @@ impl Observer for Progress {
                 self.tell_changes(*index, status);
                 self.n_frames += 1;
                 let rate = self.n_frames as f64 / self.watch.seconds().max(1e-6);
-                self.bar.set_position(self.n_frames as u64);
                 self.bar.set_message(format!(
                     "{rate:.1} frames/s  {}  {keyframes} keyframes  {points} points",
                     describe(status)
                 ));
+                self.bar.set_position(self.n_frames as u64);
             }
             Event::Keyframe { .. } => {}
         }

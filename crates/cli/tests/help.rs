@@ -69,3 +69,19 @@ fn no_arguments_and_unknown_commands_end_with_code_2() {
 fn the_version_is_that_of_the_package() {
     assert_eq!(dsslam(&["--version"]), (Some(0), format!("dsslam {}\n", env!("CARGO_PKG_VERSION"))));
 }
+
+#[test]
+fn a_reader_that_has_gone_away_is_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("trajectory.txt");
+    let rows: Vec<String> = (0..20).map(|i| format!("{i} {i} {} 0 0 0 0 1", i * i)).collect();
+    std::fs::write(&file, rows.join("\n")).unwrap();
+    let file = file.to_str().unwrap();
+    for args in [vec!["eval", "traj", file, file], vec!["config", "default"], vec!["--help"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = Command::new(env!("CARGO_BIN_EXE_dsslam")).args(&args).stdout(writer).output().unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!((output.status.code(), errors.as_str()), (Some(0), ""), "{args:?}");
+    }
+}
