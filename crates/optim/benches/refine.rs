@@ -43,7 +43,8 @@ fn two_stages(problem: &BundleProblem) -> f64 {
         let limit = if o.right_u.is_nan() { optim::CHI2_MONO } else { optim::CHI2_STEREO };
         chi_sq.next().is_some_and(|&c| c <= limit)
     });
-    let second = BundleOptions { max_iterations: 10, robust: false, relative_tolerance: 0.0, ..Default::default() };
+    let second =
+        BundleOptions { max_iterations: 10, robust: false, relative_tolerance: 0.0, ..Default::default() };
     refine_bundle(&rest, &second).report.final_cost
 }
 
@@ -54,7 +55,9 @@ fn bundle(criterion: &mut Criterion) {
     let name = format!("25 + 20 cameras, {} observations, 5 + 10 iterations", problem.observations.len());
     group.bench_function(name, |b| b.iter(|| two_stages(&problem)));
     let defaults = BundleOptions::default();
-    group.bench_function("the same to the default tolerance", |b| b.iter(|| refine_bundle(&problem, &defaults)));
+    group.bench_function("the same to the default tolerance", |b| {
+        b.iter(|| refine_bundle(&problem, &defaults))
+    });
     group.finish();
 }
 

@@ -6,6 +6,13 @@
 #![allow(clippy::needless_range_loop, reason = "small matrices read best by their indices")]
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a negated comparison is how NaN is refused")]
 
+// Lets unit tests share the scenes of the integration tests.
+#[cfg(test)]
+extern crate self as optim;
+#[cfg(test)]
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 mod bundle;
 mod pose;
 mod report;

@@ -27,12 +27,8 @@ fn ladybug_reaches_the_cost_of_an_independent_solver() {
         println!("skipped: no {}; set DSSLAM_GRAPHS", path.display());
         return;
     };
-    let options = BundleOptions {
-        max_iterations: 1000,
-        robust: false,
-        relative_tolerance: 1e-9,
-        ..Default::default()
-    };
+    let options =
+        BundleOptions { max_iterations: 1000, robust: false, relative_tolerance: 1e-9, ..Default::default() };
     let minimum = minimize(&BalModel, parse(&text), &options);
     assert_eq!(minimum.stop, StopReason::Converged);
     assert!((minimum.initial_cost / SCIPY_INITIAL_COST - 1.0).abs() < 1e-9, "{}", minimum.initial_cost);
@@ -57,7 +53,10 @@ fn analytic_jacobians_equal_numeric_ones() {
         for i in 0..2 {
             let numeric = (at(1.0)[i] - at(-1.0)[i]) / (2.0 * step);
             let analytic = if k < 9 { by_camera[i][k] } else { by_point[i][k - 9] };
-            assert!((numeric - analytic).abs() < 1e-6 * (1.0 + analytic.abs()), "{k} {i}: {numeric} {analytic}");
+            assert!(
+                (numeric - analytic).abs() < 1e-6 * (1.0 + analytic.abs()),
+                "{k} {i}: {numeric} {analytic}"
+            );
         }
     }
 }

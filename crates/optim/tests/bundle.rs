@@ -4,7 +4,9 @@ mod common;
 
 use common::{StreetOptions, cost, displaced, normal_vec3, pose_difference, random, small_motion, street};
 use geometry::SE3;
-use optim::{BundleOptions, BundleProblem, BundleSolution, CHI2_MONO, CHI2_STEREO, StopReason, refine_bundle};
+use optim::{
+    BundleOptions, BundleProblem, BundleSolution, CHI2_MONO, CHI2_STEREO, StopReason, refine_bundle,
+};
 use rand::seq::SliceRandom;
 
 const STREET: StreetOptions =
@@ -52,8 +54,7 @@ fn with_noise_the_cost_is_chi_square_distributed_and_below_the_truth() {
     let problem = displaced(&truth, 3, 0.05, 0.005, 0.2);
     let solution = refine_bundle(&problem, &to_convergence(false));
     let scale = 1.0 / (STREET.noise_px * STREET.noise_px);
-    let n_residuals: usize =
-        truth.observations.iter().map(|o| if o.right_u.is_nan() { 2 } else { 3 }).sum();
+    let n_residuals: usize = truth.observations.iter().map(|o| if o.right_u.is_nan() { 2 } else { 3 }).sum();
     let n_free = 6 * (STREET.cameras - 2) + 3 * STREET.points;
     let freedom = (n_residuals - n_free) as f64;
     let chi_sq = 2.0 * scale * solution.report.final_cost;
@@ -85,7 +86,8 @@ fn the_order_of_observations_does_not_matter() {
     let mut shuffled = problem.clone();
     shuffled.observations.shuffle(&mut random(7));
     assert_ne!(shuffled.observations, problem.observations);
-    let (a, b) = (refine_bundle(&problem, &Default::default()), refine_bundle(&shuffled, &Default::default()));
+    let (a, b) =
+        (refine_bundle(&problem, &Default::default()), refine_bundle(&shuffled, &Default::default()));
     assert_same(&a, &b.cameras, &b.points, 1e-12);
 }
 
@@ -117,7 +119,8 @@ fn hubers_loss_resists_outliers_that_spoil_least_squares() {
     let problem = displaced(&truth, 8, 0.03, 0.003, 0.1);
     let robust = refine_bundle(&problem, &to_convergence(true));
     let plain = refine_bundle(&problem, &to_convergence(false));
-    let (robust_m, plain_m) = (worst_pose(&robust.cameras, &truth.cameras).0, worst_pose(&plain.cameras, &truth.cameras).0);
+    let (robust_m, plain_m) =
+        (worst_pose(&robust.cameras, &truth.cameras).0, worst_pose(&plain.cameras, &truth.cameras).0);
     assert!(robust_m < 0.1 * plain_m, "{robust_m} m against {plain_m} m");
     for &i in &wrong {
         let limit = if truth.observations[i].right_u.is_nan() { CHI2_MONO } else { CHI2_STEREO };
@@ -152,7 +155,9 @@ fn the_report_tells_what_the_definitions_give() {
 #[test]
 fn a_limit_on_iterations_is_kept_and_told() {
     let problem = displaced(&anchored(&STREET), 10, 0.05, 0.005, 0.2);
-    let limited = |max_iterations| refine_bundle(&problem, &BundleOptions { max_iterations, ..Default::default() }).report;
+    let limited = |max_iterations| {
+        refine_bundle(&problem, &BundleOptions { max_iterations, ..Default::default() }).report
+    };
     for n in 0..4 {
         let report = limited(n);
         assert_eq!((report.iterations, report.stop), (n, StopReason::IterationLimit));
@@ -169,7 +174,8 @@ fn a_long_loop_of_cameras_is_solved_through_its_sparse_factor() {
     // The last cameras see points of the first ones: as in a revisit, far off the band.
     let mut random = random(12);
     for point in 0..40 {
-        let p = truth.cameras[140] .inverse() * (normal_vec3(&mut random, 1.0) + geometry::Vec3::new(0.0, 0.0, 12.0));
+        let p = truth.cameras[140].inverse()
+            * (normal_vec3(&mut random, 1.0) + geometry::Vec3::new(0.0, 0.0, 12.0));
         let q = truth.rig.project(&(truth.cameras[140] * p));
         let o = optim::BundleObservation {
             camera: 140,
@@ -181,7 +187,11 @@ fn a_long_loop_of_cameras_is_solved_through_its_sparse_factor() {
         closed.observations.push(o);
         let far = optim::BundleObservation { camera: 5 + point % 10, ..o };
         let q = truth.rig.project(&(truth.cameras[far.camera as usize] * p));
-        closed.observations.push(optim::BundleObservation { pixel: geometry::Vec2::new(q.x, q.y), right_u: q.z, ..far });
+        closed.observations.push(optim::BundleObservation {
+            pixel: geometry::Vec2::new(q.x, q.y),
+            right_u: q.z,
+            ..far
+        });
         closed.points.push(p);
     }
     let problem = displaced(&closed, 13, 0.02, 0.001, 0.1);

@@ -25,7 +25,8 @@ fn observe(camera: u32, point: u32, u: f64, v: f64, right_u: f64) -> BundleObser
 
 #[test]
 fn nothing_at_all() {
-    let empty = BundleProblem { rig: rig(), cameras: vec![], fixed: vec![], points: vec![], observations: vec![] };
+    let empty =
+        BundleProblem { rig: rig(), cameras: vec![], fixed: vec![], points: vec![], observations: vec![] };
     let solution = solve(&empty);
     assert_eq!(solution.report.stop, StopReason::NoData);
     assert_eq!((solution.report.iterations, solution.report.final_cost), (0, 0.0));

@@ -6,7 +6,9 @@ mod common;
 
 use common::{random, residual, rig, small_motion};
 use geometry::{SE3, Vec2, Vec3, Vec6};
-use optim::{BundleObservation, CHI2_MONO, CHI2_STEREO, Loss, ObservationModel, RigCamera, RigModel, RigObservation};
+use optim::{
+    BundleObservation, CHI2_MONO, CHI2_STEREO, Loss, ObservationModel, RigCamera, RigModel, RigObservation,
+};
 
 const STEP: f64 = 1e-6;
 

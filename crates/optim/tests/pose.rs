@@ -13,7 +13,8 @@ fn refine(initial: SE3, observations: &[PoseObservation]) -> PoseSolution {
 
 /// Plain least squares over all observations.
 fn least_squares(initial: SE3, observations: &[PoseObservation]) -> SE3 {
-    let options = PoseOptions { limit_factor: 1e12, plain_tolerance: 1e-14, max_iterations: 50, ..Default::default() };
+    let options =
+        PoseOptions { limit_factor: 1e12, plain_tolerance: 1e-14, max_iterations: 50, ..Default::default() };
     refine_pose(&rig(), initial, observations, &options).cam_from_world
 }
 
@@ -116,7 +117,9 @@ fn the_report_tells_what_the_definitions_give() {
         }
     }
     let report = solution.report;
-    assert!((report.initial_cost / before - 1.0).abs() < 1e-12 && (report.final_cost / after - 1.0).abs() < 1e-12);
+    assert!(
+        (report.initial_cost / before - 1.0).abs() < 1e-12 && (report.final_cost / after - 1.0).abs() < 1e-12
+    );
     assert_eq!(report.n_inliers, solution.inliers.iter().filter(|&&i| i).count());
     assert!(report.iterations >= 3);
 }
@@ -127,7 +130,9 @@ fn an_outlier_at_the_prediction_returns() {
     let initial = small_motion(&mut random(11), 0.3, 0.05) * truth;
     let n_at_start = observations
         .iter()
-        .filter(|o| common::chi_sq(&rig(), &initial, &o.point_world, &common::as_bundle(o)).is_some_and(|c| c < 25.0))
+        .filter(|o| {
+            common::chi_sq(&rig(), &initial, &o.point_world, &common::as_bundle(o)).is_some_and(|c| c < 25.0)
+        })
         .count();
     assert!(n_at_start < 10, "the prediction is too good for this test: {n_at_start}");
     assert!(refine(initial, &observations).report.n_inliers > 95);
@@ -168,8 +173,12 @@ fn too_few_observations_return_the_prediction() {
 fn one_point_seen_many_times_gives_a_finite_pose() {
     let point_world = Vec3::new(1.0, 0.5, 8.0);
     let pixel = rig().project(&point_world) + Vec3::new(3.0, 1.0, 3.0);
-    let observation =
-        PoseObservation { point_world, pixel: Vec2::new(pixel.x, pixel.y), right_u: pixel.z, inv_sigma_sq: 1.0 };
+    let observation = PoseObservation {
+        point_world,
+        pixel: Vec2::new(pixel.x, pixel.y),
+        right_u: pixel.z,
+        inv_sigma_sq: 1.0,
+    };
     let solution = refine(SE3::identity(), &[observation; 20]);
     assert!(solution.cam_from_world.is_finite());
     assert!(solution.report.final_cost < 1e-9, "{:?}", solution.report);

@@ -198,3 +198,65 @@ fn divide_by_transpose<const C: usize>(block: &mut [[f64; C]; C], l: &[[f64; C];
     }
     *block = transposed(&columns);
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use rand::Rng;
+
+    use super::super::ordering::Adjacency;
+    use super::*;
+
+    /// A banded positive definite matrix with a few far blocks, and the same dense, in elimination order.
+    fn example() -> (BlockCholesky<3>, DMatrix<f64>) {
+        let n = 12;
+        let mut adjacency = Adjacency::new(n);
+        let pairs: Vec<[u32; 2]> = (0..11).map(|i| [i, i + 1]).chain([[0, 7], [2, 11]]).collect();
+        for pair in &pairs {
+            adjacency.connect(pair);
+        }
+        let ordering = adjacency.minimum_degree();
+        let mut matrix = BlockCholesky::<3>::new(&ordering.columns);
+        let mut dense = DMatrix::zeros(3 * n, 3 * n);
+        let mut random = crate::common::random(1);
+        let positions = pairs.iter().map(|pair| pair.map(|i| ordering.position[i as usize] as usize));
+        for [a, b] in positions.chain((0..n).map(|i| [i, i])) {
+            let (column, row) = (a.min(b), a.max(b));
+            let (blocks, rows) = matrix.column(column);
+            let block = blocks.zip(rows).find(|&(_, &r)| r as usize == row).map(|(block, _)| block);
+            let block = &mut matrix.blocks[block.expect("in the pattern")];
+            for r in 0..3 {
+                for c in 0..3 {
+                    let value = random.random_range(-1.0..1.0) + if a == b && r == c { 15.0 } else { 0.0 };
+                    if a != b || r >= c {
+                        block[r][c] = value;
+                        dense[(3 * row + r, 3 * column + c)] = value;
+                        dense[(3 * column + c, 3 * row + r)] = value;
+                    }
+                }
+            }
+        }
+        (matrix, dense)
+    }
+
+    #[test]
+    fn the_solution_equals_that_of_a_dense_solver() {
+        let (mut matrix, dense) = example();
+        let b = DVector::from_fn(dense.nrows(), |i, _| (i as f64).sin());
+        let mut x: Vec<[f64; 3]> = (0..12).map(|k| std::array::from_fn(|i| b[3 * k + i])).collect();
+        assert!(matrix.factor(Lanes::detect()));
+        matrix.solve(&mut x);
+        let residual = dense * DVector::from_iterator(36, x.concat()) - b;
+        assert!(residual.norm() < 1e-13, "{}", residual.norm());
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_refused() {
+        for bad in [-50.0, f64::NAN, f64::INFINITY] {
+            let (mut matrix, _) = example();
+            let diagonal = matrix.diagonal(5);
+            matrix.blocks[diagonal][1][1] = bad;
+            assert!(!matrix.factor(Lanes::detect()), "{bad}");
+        }
+    }
+}

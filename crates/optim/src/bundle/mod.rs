@@ -13,9 +13,10 @@ use geometry::{SE3, StereoRig, Vec2, Vec3};
 
 use crate::report::Report;
 use crate::robust::MAX_CHI_SQ;
+use crate::simd::Lanes;
 use model::ObservationModel;
 use rig::{RigCamera, RigModel, RigObservation};
-use solver::{Edge, Graph, minimize};
+use solver::{Edge, Graph, minimize_with};
 
 /// A measurement of a point in a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,6 +91,15 @@ pub struct BundleSolution {
 /// # Panics
 /// When an observation names a camera or point that does not exist, or `fixed` has another length than `cameras`.
 pub fn refine_bundle(problem: &BundleProblem, options: &BundleOptions) -> BundleSolution {
+    refine_bundle_with(problem, options, Lanes::detect())
+}
+
+/// [`refine_bundle`] with given instructions.
+pub(crate) fn refine_bundle_with(
+    problem: &BundleProblem,
+    options: &BundleOptions,
+    lanes: Lanes,
+) -> BundleSolution {
     let model = RigModel::new(&problem.rig);
     let edges = problem.observations.iter().map(|o| Edge {
         camera: o.camera,
@@ -102,7 +112,7 @@ pub fn refine_bundle(problem: &BundleProblem, options: &BundleOptions) -> Bundle
         points: problem.points.iter().map(|&p| p.into()).collect(),
         edges: edges.clone().collect(),
     };
-    let minimum = minimize::<_, 6>(&model, graph, options);
+    let minimum = minimize_with(&model, graph, options, lanes);
     let mut chi_sq = Vec::with_capacity(edges.len());
     let mut in_front = Vec::with_capacity(edges.len());
     let mut n_inliers = 0;

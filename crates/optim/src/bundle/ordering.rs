@@ -11,7 +11,7 @@ pub(crate) struct Ordering {
     pub(crate) columns: Vec<Vec<u32>>,
 }
 
-/// Symmetric adjacency as one bit set per node.
+/// Symmetric adjacency as one bit set per node; each is its own neighbour.
 pub(crate) struct Adjacency {
     n: usize,
     words: usize,
@@ -22,7 +22,11 @@ impl Adjacency {
     /// No edges among `n` nodes.
     pub(crate) fn new(n: usize) -> Self {
         let words = n.div_ceil(64);
-        Self { n, words, bits: vec![0; n * words] }
+        let mut bits = vec![0; n * words];
+        for node in 0..n {
+            bits[node * words + node / 64] = 1 << (node % 64);
+        }
+        Self { n, words, bits }
     }
 
     /// Connects every pair of `clique`.
@@ -93,4 +97,52 @@ fn ones(words: &[u64]) -> Vec<u32> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn order(n: usize, cliques: &[&[u32]]) -> Ordering {
+        let mut adjacency = Adjacency::new(n);
+        cliques.iter().for_each(|clique| adjacency.connect(clique));
+        adjacency.minimum_degree()
+    }
+
+    fn n_blocks(ordering: &Ordering) -> usize {
+        ordering.columns.iter().map(Vec::len).sum()
+    }
+
+    #[test]
+    fn a_star_and_a_chain_have_no_fill() {
+        let star: Vec<[u32; 2]> = (1..100).map(|i| [0, i]).collect();
+        let chain: Vec<[u32; 2]> = (1..100).map(|i| [i - 1, i]).collect();
+        for edges in [star, chain] {
+            let edges: Vec<&[u32]> = edges.iter().map(|e| &e[..]).collect();
+            let ordering = order(100, &edges);
+            assert_eq!(n_blocks(&ordering), 100 + 99);
+            let mut positions = ordering.position.clone();
+            positions.sort_unstable();
+            assert!(positions.into_iter().eq(0..100));
+        }
+    }
+
+    #[test]
+    fn a_ring_fills_one_block_per_step_and_its_columns_are_closed() {
+        let ring: Vec<[u32; 2]> = (0..70).map(|i| [i, (i + 1) % 70]).collect();
+        let ring: Vec<&[u32]> = ring.iter().map(|e| &e[..]).collect();
+        let ordering = order(70, &ring);
+        assert_eq!(n_blocks(&ordering), 70 + 70 + 67);
+        for column in &ordering.columns {
+            for (k, &a) in column.iter().enumerate().skip(1) {
+                assert!(column[k..].iter().all(|b| ordering.columns[a as usize].contains(b)));
+            }
+        }
+    }
+
+    #[test]
+    fn lonely_nodes_have_a_diagonal_only() {
+        let ordering = order(3, &[&[1]]);
+        assert_eq!((ordering.position, ordering.columns), (vec![0, 1, 2], vec![vec![0], vec![1], vec![2]]));
+    }
 }

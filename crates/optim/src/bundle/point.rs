@@ -47,7 +47,13 @@ impl PointFactor {
         let y0 = -gradient[0] * i0;
         let y1 = (-gradient[1] - l10 * y0) * i1;
         let y2 = (-gradient[2] - l20 * y0 - l21 * y1) * i2;
-        Self { lower: [l10, l20, l21], inv_diagonal: [i0, i1, i2], y: [y0, y1, y2], gradient: *gradient, damping }
+        Self {
+            lower: [l10, l20, l21],
+            inv_diagonal: [i0, i1, i2],
+            y: [y0, y1, y2],
+            gradient: *gradient,
+            damping,
+        }
     }
 
     /// L^-1 times three rows.

@@ -156,11 +156,8 @@ impl ObservationModel<6> for RigModel {
         let a12 = w * c * d;
         let a22 = w * (b * b + d * d) + w_right * (e * e);
         let block_a = [[a * a * (w + w_right), 0.0, a02], [0.0, w * c * c, a12], [a02, a12, a22]];
-        let g = [
-            a * (w * r[0] + w_right * r[2]),
-            w * c * r[1],
-            w * (b * r[0] + d * r[1]) + w_right * e * r[2],
-        ];
+        let g =
+            [a * (w * r[0] + w_right * r[2]), w * c * r[1], w * (b * r[0] + d * r[1]) + w_right * e * r[2]];
 
         // B = [p]x A by columns (A is symmetric, so its rows serve).
         let b_t = [cross(&p, &block_a[0]), cross(&p, &block_a[1]), cross(&p, &block_a[2])];

@@ -90,7 +90,7 @@ pub fn refine_pose(
 }
 
 /// [`refine_pose`] with given instructions.
-fn refine_pose_with(
+pub(crate) fn refine_pose_with(
     rig: &StereoRig,
     initial: SE3,
     observations: &[PoseObservation],

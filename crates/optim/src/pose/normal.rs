@@ -5,7 +5,7 @@ use geometry::{SE3, StereoRig};
 use super::PoseObservation;
 use super::lanes::F4;
 use crate::bundle::rig::MIN_DEPTH_M;
-use crate::robust::{MAX_CHI_SQ, CHI2_MONO, CHI2_STEREO, Loss};
+use crate::robust::{CHI2_MONO, CHI2_STEREO, Loss, MAX_CHI_SQ};
 use crate::simd::{Kernel, Lanes};
 
 /// Four observations, structure of arrays.
@@ -58,7 +58,8 @@ impl Packs {
             let has_right = !o.right_u.is_nan();
             let right_u = if has_right { o.right_u } else { 0.0 };
             let numbers = [o.point_world.x, o.point_world.y, o.point_world.z, o.pixel.x, o.pixel.y, right_u];
-            if !(numbers.iter().all(|x| x.is_finite()) && o.inv_sigma_sq > 0.0 && o.inv_sigma_sq.is_finite()) {
+            if !(numbers.iter().all(|x| x.is_finite()) && o.inv_sigma_sq > 0.0 && o.inv_sigma_sq.is_finite())
+            {
                 continue;
             }
             for k in 0..3 {
@@ -87,7 +88,8 @@ impl Packs {
 
     /// Per observation whether its error lies within `factor` times its chi-square limit.
     pub(super) fn within(&self, cam_from_world: &SE3, factor: f64) -> Vec<bool> {
-        let mut within = self.lanes.run(WithinKernel { packs: self, camera: Camera::new(cam_from_world), factor });
+        let mut within =
+            self.lanes.run(WithinKernel { packs: self, camera: Camera::new(cam_from_world), factor });
         within.truncate(self.n);
         within
     }
@@ -255,6 +257,48 @@ fn huber(loss: Loss, chi_sq: F4, limit: F4) -> (F4, F4) {
             let root = (limit * chi_sq).sqrt();
             let weight = beyond.select(root.map2(chi_sq, |root, chi_sq| root / chi_sq), one);
             (beyond.select(root + root - limit, chi_sq), weight)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bundle::model::ObservationModel;
+    use crate::bundle::rig::{RigCamera, RigModel, RigObservation};
+    use crate::common::{frame, random, small_motion};
+
+    /// The bundle's model is tested against numeric Jacobians.
+    #[test]
+    fn the_sums_equal_those_of_the_bundles_model() {
+        let rig = crate::common::rig();
+        let model = RigModel::new(&rig);
+        for (seed, loss) in [(1, Loss::Squared), (2, Loss::Huber), (3, Loss::Huber)] {
+            let (truth, observations) = frame(seed, 101, 1.0, 0.3, 0.5);
+            let pose = small_motion(&mut random(seed), 0.1, 0.01) * truth;
+            let normal = Packs::new(&rig, &observations, Lanes::detect()).normal(&pose, loss);
+            let (mut cost, mut gradient, mut hessian) = (0.0, [0.0; 6], [[0.0; 6]; 6]);
+            for o in &observations {
+                let observation = RigObservation::new(o.pixel.x, o.pixel.y, o.right_u, o.inv_sigma_sq);
+                let (camera, point) = (RigCamera::new(pose), o.point_world.into());
+                let chi_sq = model.chi_sq(&camera, &point, &observation);
+                cost += 0.5 * loss.rho(chi_sq.unwrap_or(MAX_CHI_SQ), model.delta_sq(&observation));
+                let Some(lin) = model.linearize(&camera, &point, &observation, loss) else { continue };
+                for i in 0..6 {
+                    gradient[i] += lin.camera_gradient[i];
+                    for j in 0..=i {
+                        hessian[i][j] += lin.camera_camera[i][j];
+                    }
+                }
+            }
+            let close = |a: f64, b: f64, scale: f64| assert!((a - b).abs() < 1e-12 * scale, "{a} {b}");
+            close(normal.cost, cost, cost);
+            for i in 0..6 {
+                close(normal.gradient[i], gradient[i], 100.0 * hessian[i][i]);
+                for j in 0..=i {
+                    close(normal.hessian[i][j], hessian[i][j], (hessian[i][i] * hessian[j][j]).sqrt());
+                }
+            }
         }
     }
 }

@@ -46,7 +46,12 @@ impl BalModel {
     }
 
     /// Jacobians of the two residuals in camera and point.
-    pub fn jacobians(&self, camera: &BalCamera, point: &Point, pixel: &[f64; 2]) -> ([[f64; 9]; 2], [[f64; 3]; 2]) {
+    pub fn jacobians(
+        &self,
+        camera: &BalCamera,
+        point: &Point,
+        pixel: &[f64; 2],
+    ) -> ([[f64; 9]; 2], [[f64; 3]; 2]) {
         let [.., f, k1, k2] = camera.values;
         let Projection { rotated, depth, p, n, distortion, .. } = self.project(camera, point, pixel);
         let by_omega = -SO3::hat(&rotated) * camera.left_jacobian;

@@ -117,7 +117,13 @@ pub fn street(options: &StreetOptions) -> BundleProblem {
 }
 
 /// Displaces free cameras and all points.
-pub fn displaced(problem: &BundleProblem, seed: u64, sigma_m: f64, sigma_rad: f64, point_sigma_m: f64) -> BundleProblem {
+pub fn displaced(
+    problem: &BundleProblem,
+    seed: u64,
+    sigma_m: f64,
+    sigma_rad: f64,
+    point_sigma_m: f64,
+) -> BundleProblem {
     let mut random = random(seed);
     let mut out = problem.clone();
     for (camera, fixed) in out.cameras.iter_mut().zip(&problem.fixed) {
@@ -141,7 +147,13 @@ pub fn reference_problem() -> BundleProblem {
 }
 
 /// A frame at a known pose with `n` observations, of which the share `outliers` is anywhere in the image.
-pub fn frame(seed: u64, n: usize, noise_px: f64, outliers: f64, mono_share: f64) -> (SE3, Vec<PoseObservation>) {
+pub fn frame(
+    seed: u64,
+    n: usize,
+    noise_px: f64,
+    outliers: f64,
+    mono_share: f64,
+) -> (SE3, Vec<PoseObservation>) {
     let mut random = random(seed);
     let cam_from_world = small_motion(&mut random, 5.0, 0.5);
     let world_from_cam = cam_from_world.inverse();
@@ -185,7 +197,13 @@ pub fn residual(rig: &StereoRig, cam_from_world: &SE3, point: &Vec3, o: &BundleO
 }
 
 /// Half the sum of the squared or Huber errors, straight from the definitions.
-pub fn cost(rig: &StereoRig, cameras: &[SE3], points: &[Vec3], observations: &[BundleObservation], robust: bool) -> f64 {
+pub fn cost(
+    rig: &StereoRig,
+    cameras: &[SE3],
+    points: &[Vec3],
+    observations: &[BundleObservation],
+    robust: bool,
+) -> f64 {
     let mut sum = 0.0;
     for o in observations {
         let s = chi_sq(rig, &cameras[o.camera as usize], &points[o.point as usize], o).expect("in front");
@@ -196,10 +214,15 @@ pub fn cost(rig: &StereoRig, cameras: &[SE3], points: &[Vec3], observations: &[B
 }
 
 /// Numeric J^T J and J^T r of a pose under left perturbations, central differences.
-pub fn numeric_normal(rig: &StereoRig, cam_from_world: &SE3, observations: &[PoseObservation]) -> (Mat6, Vec6) {
+pub fn numeric_normal(
+    rig: &StereoRig,
+    cam_from_world: &SE3,
+    observations: &[PoseObservation],
+) -> (Mat6, Vec6) {
     let (mut hessian, mut gradient) = (Mat6::zeros(), Vec6::zeros());
     for o in observations {
-        let at = |step: Vec6| residual(rig, &(SE3::exp(&step) * *cam_from_world), &o.point_world, &as_bundle(o));
+        let at =
+            |step: Vec6| residual(rig, &(SE3::exp(&step) * *cam_from_world), &o.point_world, &as_bundle(o));
         let rows: [Vec3; 6] = std::array::from_fn(|k| {
             let mut step = Vec6::zeros();
             step[k] = 1e-6;
