@@ -173,8 +173,10 @@ pub struct Evaluation {
     /// Tracked and lost frames (files with times: of the matched poses only, none of which can be lost).
     pub coverage: Coverage,
     /// Files with times: poses of the estimate without a true pose in time.
+    #[serde(default)]
     pub n_unmatched: usize,
     /// Files with times: longest time between matched poses, seconds; lost frames show here.
+    #[serde(default)]
     pub longest_gap_s: Option<f64>,
 }
 

@@ -10,7 +10,7 @@ use crate::plot::{
     View,
 };
 use crate::suite::{Results, RunResult, run_paths};
-use crate::table::metric_table;
+use crate::table::{Row, metric_table};
 
 /// A figure of any kind.
 #[derive(Clone, Debug)]
@@ -86,7 +86,9 @@ fn bars(results: &Results, baselines: &[Baseline]) -> Vec<NamedFigure> {
     let metrics = [Metric::TRelPercent, Metric::RRelDegPer100m, Metric::AteRmseM, Metric::Auc];
     let chart = |metric: Metric| {
         let table = metric_table(results, baselines, metric)?;
-        let rows: Vec<_> = table.rows.iter().filter(|row| row.name != "pooled").collect();
+        let has_values =
+            |row: &&Row| row.name != "pooled" && row.cells.iter().any(|cell| cell.value.is_some());
+        let rows: Vec<&Row> = table.rows.iter().filter(has_values).collect();
         let series: Vec<(String, Vec<Option<f64>>)> = table
             .columns
             .iter()

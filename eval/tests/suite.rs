@@ -119,6 +119,19 @@ fn a_failure_does_not_end_the_suite_and_what_has_ended_is_not_run_again() {
 }
 
 #[test]
+fn an_evaluation_that_is_missing_is_made_up_for_without_running_again() {
+    let site = Site::new();
+    let options = RunOptions { only: Some("00/a".to_owned()), ..site.options() };
+    site.run(&options);
+    let file = site.root.join("results/00/a/1/evaluation.json");
+    let first = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, "{\"of another version\": 1}").unwrap();
+    site.run(&options);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), first);
+    assert_eq!(site.n_calls("00"), 1);
+}
+
+#[test]
 fn an_interrupted_run_and_a_changed_one_are_run_again() {
     let site = Site::new();
     let options = RunOptions { only: Some("00/a".to_owned()), ..site.options() };

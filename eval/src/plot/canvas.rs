@@ -24,8 +24,8 @@ static FONT: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
 /// Grid lines.
 pub(crate) const FAINT: RGBColor = RGBColor(225, 225, 225);
-/// Distinguishable with every common colour-vision deficiency (Okabe and Ito 2008), in order of use.
-pub(crate) const PALETTE: [RGBColor; 7] = [
+/// Distinguishable with every common colour-vision deficiency (Okabe and Ito 2008, and a grey), in order of use.
+pub(crate) const PALETTE: [RGBColor; 9] = [
     RGBColor(213, 94, 0),
     RGBColor(0, 114, 178),
     RGBColor(0, 158, 115),
@@ -33,6 +33,8 @@ pub(crate) const PALETTE: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
     RGBColor(60, 60, 60),
+    RGBColor(240, 228, 66),
+    RGBColor(150, 150, 150),
 ];
 
 /// Colour number `i` of the palette, repeating from the start.

@@ -108,10 +108,14 @@ pub(super) fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T> {
     serde_json::from_str(&text).with_context(|| format!("{}", path.display()))
 }
 
-/// Writes a JSON file whole or not at all.
+/// Writes a JSON file whole or not at all, and only when it changes: several processes may share a results folder.
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    let part = path.with_extension("part");
-    std::fs::write(&part, serde_json::to_string_pretty(value)? + "\n")
+    let text = serde_json::to_string_pretty(value)? + "\n";
+    if std::fs::read_to_string(path).is_ok_and(|old| old == text) {
+        return Ok(());
+    }
+    let part = path.with_extension(format!("{}.part", std::process::id()));
+    std::fs::write(&part, text)
         .and_then(|()| std::fs::rename(&part, path))
         .with_context(|| format!("cannot write {}", path.display()))
 }

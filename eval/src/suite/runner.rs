@@ -16,6 +16,7 @@ use anyhow::{Context, Result, anyhow};
 use super::assess::{assess, options_for};
 use super::plan::{Plan, RunId};
 use super::record::{RunRecord, RunState, RunSummary, read_json, write_json};
+use crate::evaluation::Evaluation;
 
 /// How often a running process is looked at when it has a time limit.
 const POLL: Duration = Duration::from_millis(50);
@@ -136,6 +137,7 @@ fn run_once(
         let is_current = record.arguments == arguments;
         let has_ended = record.state == RunState::Done || !options.retry_failed;
         if is_current && has_ended {
+            let record = evaluated_again(plan, record, &folder)?;
             observer(Event::Skipped(&record));
             return Ok(record);
         }
@@ -160,6 +162,17 @@ fn run_once(
     }
     write_json(&folder.join("run.json"), &record)?;
     observer(Event::Ended(&record));
+    Ok(record)
+}
+
+/// The record of a run that had ended; its evaluation is made up for where it is missing or of another version.
+fn evaluated_again(plan: &Plan, mut record: RunRecord, folder: &Path) -> Result<RunRecord> {
+    let is_there = read_json::<Evaluation>(&folder.join("evaluation.json")).is_ok();
+    if record.state == RunState::Done && !is_there {
+        record.evaluation_problem =
+            evaluate_run(plan, &record.id, folder).err().map(|problem| format!("{problem:#}"));
+        write_json(&folder.join("run.json"), &record)?;
+    }
     Ok(record)
 }
 
