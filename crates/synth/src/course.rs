@@ -176,7 +176,7 @@ fn round_corners(corners: &[Corner], closed: bool) -> Vec<V3> {
         let pieces = ((to - from).norm() / 0.1).ceil().max(1.0) as usize;
         out.extend((1..=pieces).map(|k| from + (to - from) * (k as f64 / pieces as f64)));
     };
-    for i in 0..n {
+    for (i, [.., radius]) in corners.iter().enumerate() {
         if !closed && (i == 0 || i == n - 1) {
             line_to(&mut out, point(i));
             continue;
@@ -184,11 +184,11 @@ fn round_corners(corners: &[Corner], closed: bool) -> Vec<V3> {
         let (before, here, after) = (point(i + n - 1), point(i), point(i + 1));
         let (a, b) = ((here - before).normalize(), (after - here).normalize());
         let angle = a.dot(&b).clamp(-1.0, 1.0).acos();
-        let tangent = corners[i][2] * (angle / 2.0).tan();
-        let pieces = (corners[i][2] * angle / 0.1).ceil().max(2.0) as usize;
+        let tangent = radius * (angle / 2.0).tan();
+        let pieces = (radius * angle / 0.1).ceil().max(2.0) as usize;
         // The arc as a rotation of its first radius.
         let side = if a.z * b.x - a.x * b.z > 0.0 { 1.0 } else { -1.0 };
-        let to_center = V3::new(a.z, 0.0, -a.x) * side * corners[i][2];
+        let to_center = V3::new(a.z, 0.0, -a.x) * side * *radius;
         let start = here - a * tangent;
         line_to(&mut out, start);
         for k in 1..=pieces {

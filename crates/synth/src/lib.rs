@@ -23,6 +23,8 @@ mod noise;
 mod preset;
 mod raster;
 mod render;
+mod roadside;
+mod rows;
 mod sensor;
 mod sky;
 mod street;

@@ -91,7 +91,7 @@ fn asphalt(seed: u32) -> Texture {
         let crack = fine(x, y, 512, 5, 5, 0.55, seed ^ 22).abs();
         let patch = fine(x, y, 512, 6, 4, 0.5, seed ^ 23);
         let spot = if fine(x, y, 512, 45, 2, 0.6, seed ^ 24) > 0.72 { -24.0 } else { 0.0 };
-        let base = 118.0 + 6.0 * coarse + 28.0 * stones + spot;
+        let base = 118.0 + 6.0 * coarse + 22.0 * stones + spot;
         let base = if patch > 0.5 { base - 14.0 } else { base };
         if crack < 0.013 { base - 42.0 } else { base }
     })

@@ -63,10 +63,10 @@ impl Preset {
             regular: false,
         };
         match self {
-            Self::Town => Settings { leader_s: Some(3.2), ..town },
+            Self::Town => Settings { leader_s: Some(2.6), ..town },
             Self::Quiet => Settings { oncoming_every_m: 400.0, parked: 0.35, crossing: 0.0, ..town },
             Self::Busy => {
-                Settings { oncoming_every_m: 22.0, parked: 0.7, crossing: 1.0, leader_s: Some(1.35), ..town }
+                Settings { oncoming_every_m: 22.0, parked: 0.7, crossing: 1.0, leader_s: Some(0.7), ..town }
             }
             Self::Crossing => Settings { crossing: 1.0, truck_halts: true, ..town },
             Self::Facades => {

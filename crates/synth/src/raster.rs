@@ -6,21 +6,30 @@ use crate::library::Library;
 use crate::lookup::Lookup;
 use crate::mesh::SurfaceKind;
 
-/// Samples between two exact perspective divisions; even.
-const CHUNK: i32 = 32;
-/// Samples whose depth is compared at once.
-const LANES: usize = 8;
+/// Samples of a block, within which texture coordinates are interpolated; even.
+const BLOCK: i32 = 32;
+/// Samples of a row, and its blocks.
 const STRIDE: usize = WIDTH * SAMPLES;
+const BLOCKS: usize = STRIDE.div_ceil(BLOCK as usize);
 
 /// Sample buffers of a band of rows.
 pub(crate) struct Band {
     first: i32,
     rows: usize,
     inv_z: Vec<f32>,
+    /// Least inverse depth of each block.
+    farthest: Vec<f32>,
     /// Grey value times 256.
     tone: Vec<u16>,
     /// Number of the polygon seen.
     polygon: Vec<u32>,
+}
+
+/// How much of a stretch is nearer than what is there.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Seen {
+    Whole,
+    Partly,
 }
 
 /// A stretch of one row: its polygon, row and samples `from..to`.
@@ -44,13 +53,15 @@ impl Band {
     /// Buffers for at most `rows` pixel rows.
     pub(crate) fn new(rows: usize) -> Self {
         let n = rows * SAMPLES * STRIDE;
-        Self { first: 0, rows: 0, inv_z: vec![0.0; n], tone: vec![0; n], polygon: vec![0; n] }
+        let farthest = vec![0.0; rows * SAMPLES * BLOCKS];
+        Self { first: 0, rows: 0, inv_z: vec![0.0; n], farthest, tone: vec![0; n], polygon: vec![0; n] }
     }
 
     /// Empties the band and moves it to pixel rows `first..first + rows`.
     pub(crate) fn start(&mut self, first: usize, rows: usize) {
         (self.first, self.rows) = ((first * SAMPLES) as i32, rows * SAMPLES);
         self.inv_z.fill(0.0);
+        self.farthest.fill(0.0);
         self.tone.fill(0);
         self.polygon.fill(0);
     }
@@ -92,8 +103,8 @@ impl Band {
             let (left, right) = polygon.columns(row);
             let mut x = left;
             while x < right {
-                // Stretches start at even samples, except the first.
-                let end = ((x & !1) + CHUNK).min(right);
+                // Stretches end where blocks end: textures are cut at the same columns whatever the outline.
+                let end = ((x / BLOCK + 1) * BLOCK).min(right);
                 self.draw_stretch(&Stretch { polygon, number, row, from: x, to: end }, library);
                 x = end;
             }
@@ -101,47 +112,73 @@ impl Band {
     }
 
     fn draw_stretch(&mut self, stretch: &Stretch<'_>, library: &Library) {
-        if !self.is_visible(stretch) {
-            return;
-        }
+        let Some(seen) = self.compare(stretch) else { return };
         let polygon = stretch.polygon;
         let pairs = (stretch.from >> 1, (stretch.to + 1) >> 1);
         let lookup = Lookup::new(polygon, stretch.row, pairs, library);
-        match (polygon.kind == SurfaceKind::CutOut, lookup.has_detail()) {
-            (false, false) => self.fill::<false, false>(stretch, &lookup),
-            (false, true) => self.fill::<false, true>(stretch, &lookup),
-            (true, false) => self.fill::<true, false>(stretch, &lookup),
-            (true, true) => self.fill::<true, true>(stretch, &lookup),
+        let cut_out = polygon.kind == SurfaceKind::CutOut;
+        match (cut_out, seen, lookup.has_detail()) {
+            (false, Seen::Whole, false) => self.cover::<false>(stretch, &lookup),
+            (false, Seen::Whole, true) => self.cover::<true>(stretch, &lookup),
+            (false, Seen::Partly, false) => self.fill::<false, false>(stretch, &lookup),
+            (false, Seen::Partly, true) => self.fill::<false, true>(stretch, &lookup),
+            (true, _, false) => self.fill::<true, false>(stretch, &lookup),
+            (true, _, true) => self.fill::<true, true>(stretch, &lookup),
         }
+        let block = self.block(stretch);
+        self.farthest[block] = self.inv_z_of(block).iter().fold(f32::INFINITY, |low, z| low.min(*z));
+    }
+
+    /// Number of the block of a row that holds a stretch.
+    fn block(&self, stretch: &Stretch<'_>) -> usize {
+        (stretch.row - self.first) as usize * BLOCKS + (stretch.from / BLOCK) as usize
+    }
+
+    fn inv_z_of(&self, block: usize) -> &[f32] {
+        let (row, column) = (block / BLOCKS * STRIDE, block % BLOCKS * BLOCK as usize);
+        &self.inv_z[row + column..row + (column + BLOCK as usize).min(STRIDE)]
     }
 
     fn index(&self, row: i32, x: i32) -> usize {
         (row - self.first) as usize * STRIDE + x as usize
     }
 
-    /// Whether any sample of the stretch is nearer than what is there.
-    fn is_visible(&self, stretch: &Stretch<'_>) -> bool {
+    /// Compares the stretch with what is there: `None` when all of it is hidden.
+    fn compare(&self, stretch: &Stretch<'_>) -> Option<Seen> {
+        let (base, dx) = stretch.inv_z();
+        let ends = [stretch.from, stretch.to - 1].map(|x| (base + dx * f64::from(x)) as f32);
+        // A little generous; the exact test follows.
+        if ends[0].max(ends[1]) * 1.000_01 <= self.farthest[self.block(stretch)] {
+            return None;
+        }
+        let (start, step) = ((base + dx * f64::from(stretch.from & !1)) as f32, dx as f32);
+        let at = self.index(stretch.row, stretch.from & !1);
+        let there = &self.inv_z[at..at + (stretch.to - (stretch.from & !1)) as usize];
+        // Without a branch, so that several samples are compared at once.
+        let (mut any, mut all) = (false, true);
+        for (k, there) in there.iter().enumerate() {
+            let nearer = start + step * k as f32 > *there;
+            any |= nearer;
+            all &= nearer;
+        }
+        let whole = all && stretch.from & 1 == 0;
+        any.then_some(if whole { Seen::Whole } else { Seen::Partly })
+    }
+
+    /// Writes an opaque stretch that is nearer than everything there.
+    #[inline(always)]
+    fn cover<const DETAIL: bool>(&mut self, stretch: &Stretch<'_>, lookup: &Lookup<'_>) {
         let (base, dx) = stretch.inv_z();
         let (start, step) = ((base + dx * f64::from(stretch.from)) as f32, dx as f32);
         let at = self.index(stretch.row, stretch.from);
-        let there = &self.inv_z[at..at + (stretch.to - stretch.from) as usize];
-        // A little generous; the exact test follows. Eight at a time without a branch.
-        let nearer = |from: usize, there: &[f32; LANES]| {
-            let z = start + step * from as f32;
-            let hits: [bool; LANES] = std::array::from_fn(|k| (z + step * k as f32) * 1.000_01 > there[k]);
-            hits.iter().fold(false, |any, hit| any | hit)
-        };
-        let mut from = 0;
-        let eights = there.chunks_exact(LANES);
-        let mut rest = [f32::INFINITY; LANES];
-        rest[..eights.remainder().len()].copy_from_slice(eights.remainder());
-        for eight in eights {
-            if eight.try_into().is_ok_and(|eight| nearer(from, eight)) {
-                return true;
-            }
-            from += LANES;
+        let samples = at..at + (stretch.to - stretch.from) as usize;
+        for (k, z) in self.inv_z[samples.clone()].iter_mut().enumerate() {
+            *z = start + step * k as f32;
         }
-        nearer(from, &rest)
+        self.polygon[samples.clone()].fill(stretch.number);
+        for (pair, tones) in self.tone[samples].chunks_mut(2).enumerate() {
+            tones.fill(lookup.tone::<DETAIL>(pair));
+        }
     }
 
     /// Tests and writes the samples, pair by pair.

@@ -99,3 +99,107 @@ impl Workspace {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::library::Recipe;
+    use crate::materials::Material;
+    use crate::mesh::{Layer, Placement, Surface, SurfaceKind, V3};
+    use crate::sensor::{Eye, Sensor};
+    use crate::texture::TextureId;
+    use geometry::Pinhole;
+    use nalgebra::Matrix3;
+
+    fn view() -> View {
+        let camera = Pinhole { fx: 700.0, fy: 700.0, cx: 620.0, cy: 188.0 };
+        View { rotation: Matrix3::identity(), center: V3::zeros(), camera }
+    }
+
+    fn surface(kind: SurfaceKind) -> Surface {
+        Surface { texture: TextureId(0), detail: None, density: [40.0; 2], offset: [0.0; 2], gain: 1.0, kind }
+    }
+
+    /// A wall facing the camera: left upper corner and size.
+    fn wall(corner: V3, width: f64, height: f64) -> Mesh {
+        let mut mesh = Mesh::default();
+        mesh.quad(corner, V3::x() * width, V3::y() * height, surface(SurfaceKind::Solid));
+        mesh.finish()
+    }
+
+    /// Draws meshes with labels 0, 1, 2 ...
+    fn draw(meshes: &[Mesh]) -> (GrayImage, Truth) {
+        let instances: Vec<Instance> = (0..meshes.len())
+            .map(|i| Instance {
+                mesh: i as u32,
+                placement: Placement::identity(),
+                layer: Layer::Object,
+                label: i as u8,
+                gain: 1.0,
+            })
+            .collect();
+        let library = Library::bake(&[Recipe::Material(Material::Concrete, 1)]);
+        picture_and_truth(&view(), meshes, &instances, &library, &Sensor::new(1).shot(Eye::Left, 0, 0.0))
+    }
+
+    #[test]
+    fn a_wall_covers_exactly_its_pixels_at_its_depth() {
+        // At 10 m a pixel is 1/70 m: columns 550..=689, rows 118..=257 have their centres inside.
+        let edge = |pixels: f64| (pixels - 0.5) / 70.0;
+        let (_, truth) = draw(&[wall(V3::new(edge(-70.0), edge(-70.0), 10.0), 2.0, 2.0)]);
+        for y in 0..HEIGHT {
+            for x in 0..WIDTH {
+                let inside = (550..690).contains(&x) && (118..258).contains(&y);
+                assert_eq!(truth.labels.at(x, y), if inside { 0 } else { LABEL_SKY }, "{x} {y}");
+                assert!((truth.depth_m.at(x, y) - if inside { 10.0 } else { 0.0 }).abs() < 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn the_nearer_surface_wins_in_any_order() {
+        let near = || wall(V3::new(-1.0, -1.0, 8.0), 2.0, 2.0);
+        let far = || wall(V3::new(-4.0, -4.0, 12.0), 8.0, 8.0);
+        let (a, b) = (draw(&[near(), far()]).1, draw(&[far(), near()]).1);
+        assert!(a.depth_m == b.depth_m);
+        assert_eq!((a.labels.at(620, 188), b.labels.at(620, 188)), (0, 1));
+        assert_eq!((a.labels.at(800, 188), b.labels.at(800, 188)), (1, 0));
+    }
+
+    #[test]
+    fn ground_from_under_the_camera_to_the_horizon_has_the_depth_of_its_plane() {
+        let mut ground = Mesh::default();
+        let corners = [[-300.0, 300.0], [300.0, 300.0], [300.0, -300.0], [-300.0, -300.0]];
+        let corners = corners.map(|[x, z]| V3::new(x, 1.65, z));
+        ground.add(&corners, V3::x(), -V3::z(), surface(SurfaceKind::Solid));
+        let (_, truth) = draw(&[ground.finish()]);
+        for y in 200..HEIGHT {
+            for x in [0, 333, 620, 1240] {
+                let expected = 1.65 * 700.0 / (y as f64 - 188.0);
+                assert!((f64::from(truth.depth_m.at(x, y)) / expected - 1.0).abs() < 1e-5, "{x} {y}");
+            }
+        }
+        assert_eq!(truth.labels.at(620, 180), LABEL_SKY);
+    }
+
+    #[test]
+    fn surfaces_that_share_an_edge_leave_no_crack() {
+        // A fan of triangles around a point that is no pixel centre.
+        let mut fan = Mesh::default();
+        let rim = |i: i32| {
+            let angle = f64::from(i) * std::f64::consts::TAU / 13.0;
+            V3::new(0.013 + 9.0 * angle.cos(), 0.021 + 9.0 * angle.sin(), 5.0)
+        };
+        for i in 0..13 {
+            fan.add(
+                &[V3::new(0.013, 0.021, 5.0), rim(i), rim(i + 1)],
+                V3::x(),
+                V3::y(),
+                surface(SurfaceKind::Solid),
+            );
+        }
+        let (gray, truth) = draw(&[fan.finish()]);
+        assert!(truth.labels.data.iter().all(|l| *l == 0));
+        assert!(gray.data.iter().all(|g| *g > 30), "{:?}", gray.data.iter().min());
+    }
+}

@@ -1,14 +1,13 @@
-//! Lays out a world: side streets, rows of houses, trees, lamps, signs, hedges; everything that stands still.
+//! Lays out everything that stands still: side streets first, then houses (`rows`), then what stands beside the road (`roadside`).
 
 use crate::course::{Course, Station};
-use crate::furniture;
-use crate::houses::{self, Plot};
-use crate::layout::{Footprint, Layout, ROAD_HALF_M, SIDE_HALF_M, SideStreet};
+use crate::layout::{Layout, SideStreet};
 use crate::library::{Common, Recipes};
-use crate::mesh::{Instance, Layer, Mesh, Placement, V3};
+use crate::mesh::{Instance, Layer, Mesh, Placement};
 use crate::preset::Settings;
+use crate::roadside::Stock;
 use crate::sky;
-use crate::street::{self, WALK_M};
+use crate::street;
 use geometry::mix_seed;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -39,7 +38,7 @@ impl Scene {
     }
 
     /// Places a static object.
-    fn place(&mut self, mesh: u32, placement: Placement, gain: f64) {
+    pub(crate) fn place(&mut self, mesh: u32, placement: Placement, gain: f64) {
         self.instances.push(Instance { mesh, placement, layer: Layer::Object, label: LABEL_STATIC, gain });
     }
 
@@ -117,9 +116,10 @@ pub(crate) fn build(
     if !settings.regular {
         town.second_row();
     }
+    let stock = Stock::new(town.scene, common);
     for side in [-1.0, 1.0] {
-        town.kerb_side(side);
-        town.gardens(side);
+        town.kerb_side(side, &stock);
+        town.gardens(side, &stock);
     }
     let (low, high) = course.bounds();
     let ground = street::build(&town.layout, common, seed as u32, settings.regular);
@@ -129,278 +129,23 @@ pub(crate) fn build(
     scene.spread(sky::build(common, (low + high) / 2.0), Layer::Sky, LABEL_SKY);
 }
 
-struct Town<'a, 'b> {
-    layout: Layout<'a>,
-    common: &'b Common,
-    settings: &'b Settings,
-    scene: &'b mut Scene,
-    rng: ChaCha8Rng,
+/// A town while it is laid out.
+pub(crate) struct Town<'a, 'b> {
+    pub(crate) layout: Layout<'a>,
+    pub(crate) common: &'b Common,
+    pub(crate) settings: &'b Settings,
+    pub(crate) scene: &'b mut Scene,
+    pub(crate) rng: ChaCha8Rng,
     /// Number of fronts designed so far.
-    looks: u32,
+    pub(crate) looks: u32,
     /// Houses of a regular street: width, storeys and mesh.
-    known: Vec<(f64, u32, u32)>,
-}
-
-impl Town<'_, '_> {
-    /// A row of houses along one side of the course.
-    fn course_row(&mut self, side: f64) {
-        let course = self.layout.course;
-        let end = if course.closed { course.length } else { course.length + 60.0 };
-        let start = if course.closed { 0.0 } else { -20.0 };
-        self.row(&|s| course.at(s), start, end, side, ROAD_HALF_M + WALK_M, 7.4);
-    }
-
-    /// Rows along both sides of both arms of a side street, and a house across each end.
-    fn side_rows(&mut self, street: &SideStreet) {
-        for (sign, length) in [(-1.0, street.left_m), (1.0, street.right_m)] {
-            if length <= 0.0 {
-                continue;
-            }
-            let dir = street.right * sign;
-            let heading = street.heading + if sign < 0.0 { std::f64::consts::PI } else { 0.0 };
-            let line = |s: f64| Station { position: street.center + dir * s, heading, curvature: 0.0 };
-            let width = 13.0;
-            let front = line(length + 1.0).beside(-0.5 * width);
-            let end = Footprint { placement: front, width, depth: 9.0 };
-            if self
-                .layout
-                .has_room(&Footprint { placement: line(length + 5.4).beside(-0.5 * width), ..end }, 7.4)
-            {
-                self.house(Footprint { placement: line(length + 5.4).beside(-0.5 * width), ..end }, 3, false);
-            }
-            for side in [-1.0, 1.0] {
-                self.row(&line, ROAD_HALF_M + WALK_M + 0.5, length, side, SIDE_HALF_M + 2.0, 7.4);
-            }
-        }
-    }
-
-    /// Houses side by side along a line from `from` to `to`, their fronts `lateral` metres (or a front garden more) from it.
-    fn row(
-        &mut self,
-        line: &dyn Fn(f64) -> Station,
-        from: f64,
-        to: f64,
-        side: f64,
-        lateral: f64,
-        clearance: f64,
-    ) {
-        let regular = self.settings.regular;
-        let mut s = from;
-        let (mut setback, mut left_in_group) = (0.0, 0);
-        while s < to {
-            if left_in_group == 0 {
-                left_in_group = self.rng.random_range(2..6);
-                setback =
-                    if regular || self.rng.random_bool(0.5) { 0.1 } else { self.rng.random_range(2.0..5.0) };
-            }
-            let wish = if regular { 12.0 } else { self.rng.random_range(8.5..16.0) };
-            let depth = if regular { 10.0 } else { self.rng.random_range(8.0..11.5) };
-            let storeys = if regular { 3 } else { [1, 2, 2, 2, 3, 3, 4, 5][self.rng.random_range(0..8)] };
-            let fits =
-                [(wish, depth), (0.7 * wish, 0.8 * depth), (6.0, 6.0)].into_iter().find_map(|(w, d)| {
-                    let footprint = footprint_along(line, s, to, side, lateral + setback, w, d)?;
-                    self.layout.has_room(&footprint, clearance).then_some(footprint)
-                });
-            let Some(footprint) = fits else {
-                s += 1.0;
-                continue;
-            };
-            self.house(footprint, storeys, false);
-            left_in_group -= 1;
-            let gap = if regular || left_in_group > 0 { 0.02 } else { self.rng.random_range(1.0..7.0) };
-            s = beyond(line, s, side * (lateral + setback), footprint.width).unwrap_or(s + footprint.width)
-                + gap;
-        }
-    }
-
-    fn house(&mut self, footprint: Footprint, storeys: u32, distant: bool) {
-        let plot = Plot { width: footprint.width, depth: footprint.depth, storeys, distant };
-        self.layout.houses.push(footprint);
-        let mesh = if self.settings.regular { self.repeated(&plot) } else { self.designed(&plot) };
-        self.scene.place(mesh, footprint.placement, 1.0);
-    }
-
-    fn designed(&mut self, plot: &Plot) -> u32 {
-        self.looks += 1;
-        let look = self.rng.random::<u32>();
-        let mesh = houses::build(plot, &mut self.scene.recipes, self.common, look);
-        self.scene.mesh(mesh)
-    }
-
-    /// Two designs in turn for each size.
-    fn repeated(&mut self, plot: &Plot) -> u32 {
-        self.looks += 1;
-        let variant = self.looks % 2;
-        let same = |w: f64| (w - plot.width).abs() < 0.05;
-        if let Some((_, _, mesh)) = self.known.iter().find(|(w, v, _)| same(*w) && *v == variant) {
-            return *mesh;
-        }
-        let mesh = houses::build(plot, &mut self.scene.recipes, self.common, 7 + variant);
-        let mesh = self.scene.mesh(mesh);
-        self.known.push((plot.width, variant, mesh));
-        mesh
-    }
-
-    /// Houses at random behind the first row, to close the view through gaps.
-    fn second_row(&mut self) {
-        let (low, high) = self.layout.course.bounds();
-        let margin = 70.0;
-        for _ in 0..900 {
-            let x = self.rng.random_range(low.x - margin..high.x + margin);
-            let z = self.rng.random_range(low.z - margin..high.z + margin);
-            let placement = Placement { position: V3::new(x, 0.0, z), yaw: self.rng.random_range(0.0..6.28) };
-            let (width, depth) = (self.rng.random_range(9.0..17.0), self.rng.random_range(9.0..13.0));
-            let storeys = self.rng.random_range(3..7);
-            let footprint = Footprint { placement, width, depth };
-            if self.layout.has_room(&footprint, 21.0) {
-                self.house(footprint, storeys, true);
-            }
-        }
-    }
-
-    /// Lamps, trees, signs and boxes on the walk.
-    fn kerb_side(&mut self, side: f64) {
-        let common = self.common;
-        let trees: Vec<u32> = (0..8).map(|k| self.scene.mesh(furniture::tree(common, 100 + k))).collect();
-        let lamp = self.scene.mesh(furniture::lamp(common, 6.5));
-        let signs: Vec<u32> = (0..8).map(|k| self.scene.mesh(furniture::sign(common, k))).collect();
-        let boxes: Vec<u32> = (0..6).map(|k| self.scene.mesh(furniture::cabinet(common, k))).collect();
-        let regular = self.settings.regular;
-        let course = self.layout.course;
-        let mut s = if side > 0.0 { 6.0 } else { 14.0 };
-        let mut slot = 0_usize;
-        while s < course.length - 2.0 {
-            let to_street = self.layout.to_side_street(s, side);
-            let at = |lateral: f64, turn: f64| {
-                let mut placement = course.at(s).beside(side * lateral);
-                placement.yaw += turn;
-                placement
-            };
-            let inward = side * FRAC_PI_2;
-            let kind = if regular { slot % 4 } else { self.rng.random_range(0..10) };
-            match kind {
-                _ if to_street < SIDE_HALF_M + 1.5 => {}
-                0..=3 if to_street > 8.0 => {
-                    let spin = if regular { 0.0 } else { self.rng.random_range(0.0..6.28) };
-                    let tree = trees[if regular { 0 } else { self.rng.random_range(0..trees.len()) }];
-                    let gain = if regular { 1.0 } else { self.rng.random_range(0.75..1.2) };
-                    self.scene.place(tree, at(ROAD_HALF_M + 1.0, spin), gain);
-                }
-                4 | 5 => self.scene.place(
-                    boxes[self.rng.random_range(0..boxes.len())],
-                    at(ROAD_HALF_M + 2.55, inward),
-                    1.0,
-                ),
-                6 | 7 => {
-                    let sign = signs[self.rng.random_range(0..signs.len())];
-                    let turn = if side > 0.0 { 0.0 } else { std::f64::consts::PI };
-                    self.scene.place(sign, at(ROAD_HALF_M + 0.5, turn), 1.0);
-                }
-                _ => {}
-            }
-            if slot % 3 == 0 && to_street > SIDE_HALF_M + 1.5 {
-                self.scene.place(
-                    lamp,
-                    {
-                        let mut p = at(ROAD_HALF_M + 0.45, inward);
-                        p.position += course.at(s).right().cross(&V3::y()) * 2.5;
-                        p
-                    },
-                    1.0,
-                );
-            }
-            slot += 1;
-            s += if regular { 9.0 } else { self.rng.random_range(6.5..11.0) };
-        }
-    }
-
-    /// Hedges, walls, fences, bushes and trees wherever no house stands at the walk's outer edge.
-    fn gardens(&mut self, side: f64) {
-        let course = self.layout.course;
-        let common = self.common;
-        let surfaces = [common.hedge, common.walls[0], common.walls[1], common.walls[2]];
-        let (bush, trees): (Vec<u32>, Vec<u32>) = (
-            (0..4).map(|k| self.scene.mesh(furniture::bush(common, 40 + k))).collect(),
-            (0..4).map(|k| self.scene.mesh(furniture::tree(common, 60 + k))).collect(),
-        );
-        let edge = ROAD_HALF_M + WALK_M + 0.15;
-        let length = 3.0;
-        let fence = self.scene.mesh(furniture::fence(common, length));
-        let mut walls = Vec::new();
-        for surface in surfaces {
-            for height in [0.7, 1.25] {
-                walls.push(self.scene.mesh(furniture::barrier(length, height, surface, surface)));
-            }
-        }
-        let (mut s, mut style) = (0.0, 0);
-        while s < course.length - length {
-            let place = self.layout.course.at(s + 0.5 * length).beside(side * edge);
-            if self.rng.random_bool(0.15) {
-                style = self.rng.random_range(0..walls.len() + 2);
-            }
-            let clear = self.layout.is_free(&place.position, 0.3, edge - 0.5)
-                && self.layout.to_side_street(s + 0.5 * length, side) > SIDE_HALF_M + 2.0;
-            if clear {
-                if let Some(footprint) =
-                    footprint_along(&|s| course.at(s), s, s + 2.0 * length, side, edge, length, 0.5)
-                {
-                    let mesh = walls.get(style).copied().unwrap_or(fence);
-                    self.scene.place(mesh, footprint.placement, 1.0);
-                }
-                let behind = course.at(s + 1.0).beside(side * (edge + self.rng.random_range(1.4..2.4)));
-                if self.rng.random_bool(0.5) && self.layout.is_free(&behind.position, 0.6, edge) {
-                    let pick = bush[self.rng.random_range(0..bush.len())];
-                    self.scene.place(
-                        pick,
-                        Placement { yaw: self.rng.random_range(0.0..6.28), ..behind },
-                        1.0,
-                    );
-                }
-                let deep = course.at(s).beside(side * (edge + self.rng.random_range(3.5..12.0)));
-                if self.rng.random_bool(0.3) && self.layout.is_free(&deep.position, 1.2, edge + 2.5) {
-                    let pick = trees[self.rng.random_range(0..trees.len())];
-                    let gain = self.rng.random_range(0.7..1.1);
-                    self.scene.place(pick, Placement { yaw: self.rng.random_range(0.0..6.28), ..deep }, gain);
-                }
-            }
-            s += length;
-        }
-    }
-}
-
-/// The place along the line where a chord of the given width, `lateral` beside the line, ends; `None` when 4 widths do not reach.
-fn beyond(line: &dyn Fn(f64) -> Station, s: f64, lateral: f64, width: f64) -> Option<f64> {
-    let start = line(s).beside(lateral).position;
-    let steps = (16.0 * width) as i32;
-    (1..steps)
-        .map(|k| s + 0.25 * f64::from(k))
-        .find(|end| (line(*end).beside(lateral).position - start).norm() >= width)
-}
-
-/// Ground of a house whose front is a chord of the line's offset curve and starts at `s`; `None` when it would end beyond `to`.
-fn footprint_along(
-    line: &dyn Fn(f64) -> Station,
-    s: f64,
-    to: f64,
-    side: f64,
-    lateral: f64,
-    width: f64,
-    depth: f64,
-) -> Option<Footprint> {
-    let end = beyond(line, s, side * lateral, width)?;
-    if end > to {
-        return None;
-    }
-    let (a, b) = (line(s).beside(side * lateral).position, line(end).beside(side * lateral).position);
-    // Seen from the street, the front runs forwards on the left side and backwards on the right.
-    let (from, dir) = if side < 0.0 { (a, (b - a).normalize()) } else { (b, (a - b).normalize()) };
-    let position = if side < 0.0 { from } else { a - dir * width };
-    Some(Footprint { placement: Placement { position, yaw: (-dir.z).atan2(dir.x) }, width, depth })
+    pub(crate) known: Vec<(f64, u32, u32)>,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::V3;
     use crate::preset::Preset;
 
     fn scene(preset: Preset, seed: u64) -> (Course, Scene) {

@@ -16,6 +16,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// Vehicles within this distance of us are drawn, metres along the course.
 const VISIBLE_M: f64 = 170.0;
+/// Least distance from our camera to the tail of the vehicle ahead, were we to stand, metres.
+const CLOSEST_M: f64 = 4.0;
 /// Distance between two parking places, metres.
 const SLOT_M: f64 = 6.25;
 /// Share of parking places whose car changes from round to round.
@@ -51,8 +53,8 @@ enum Path {
     Oncoming { s: f64, t: f64, speed: f64, lateral: f64 },
     /// Along a side street: at its middle at time `t`, `sign` +1 from left to right.
     Crossing { center: V3, right: V3, sign: f64, t: f64, speed: f64, lateral: f64, reach: [f64; 2] },
-    /// Where we shall be after `headway(t)` seconds.
-    Leader { headway: Wander, mean_s: f64 },
+    /// `gap_m` beyond where we shall be after `mean_s + headway(t)` seconds.
+    Leader { headway: Wander, mean_s: f64, gap_m: f64 },
 }
 
 /// All vehicles of a world.
@@ -111,7 +113,8 @@ impl Traffic {
             (self.car(rng), 0.45 * mean_s)
         };
         let headway = Wander::new(swing, &[1.0 / 37.0, 1.0 / 19.0], seed ^ 0x1ead);
-        self.push(kind, Path::Leader { headway, mean_s }, rng);
+        let gap_m = 0.5 * kind.model.size().length + CLOSEST_M;
+        self.push(kind, Path::Leader { headway, mean_s, gap_m }, rng);
     }
 
     /// A truck across each halt: its middle is before us at half time.
@@ -178,7 +181,7 @@ impl Traffic {
         let mut s = rng.random_range(0.2..1.0) * world.settings.oncoming_every_m;
         while s < world.drive.length + VISIBLE_M {
             let t = world.drive.time_at(s) + (s - world.drive.length).max(0.0) / 9.0;
-            let kind = if rng.random_bool(0.06) { self.kinds[N_CARS + N_VANS] } else { self.car(rng) };
+            let kind = self.car(rng);
             let lateral = -LANE_M + rng.random_range(-0.2..0.15);
             let path = Path::Oncoming { s, t, speed: 8.5, lateral };
             let candidate = Mover { kind, gain: 1.0, path };
@@ -265,8 +268,8 @@ impl Mover {
                 let position = center + right * along + own_right * *lateral;
                 Some(Placement { position, yaw: dir.x.atan2(dir.z) })
             }
-            Path::Leader { headway, mean_s } => {
-                let ahead = drive.driven(t + mean_s + headway.at(t));
+            Path::Leader { headway, mean_s, gap_m } => {
+                let ahead = drive.driven(t + mean_s + headway.at(t)) + gap_m;
                 let station = course.at(ahead);
                 Some(station.beside(LANE_M))
             }

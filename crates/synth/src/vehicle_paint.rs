@@ -155,7 +155,7 @@ fn glass(canvas: &mut Canvas, seed: u32) {
     let r = |k: i32| unit(k, 4, seed);
     canvas.shade(|x, y, _| {
         let cloud = octaves(3.0 * x, 3.0 * y, [64, 64], 5, 0.62, seed ^ 0x2f);
-        52.0 + 30.0 * cloud + 60.0 * (0.45 - y).max(0.0) + if cloud > 0.35 { 40.0 } else { 0.0 }
+        52.0 + 30.0 * cloud + 60.0 * (0.45 - y).max(0.0) + if cloud > 0.35 { 16.0 } else { 0.0 }
     });
     canvas.frame(Rect::new(0.0, 0.0, 1.0, 1.0), 0.035, 22.0);
     for x in [0.27, 0.73] {
