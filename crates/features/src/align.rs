@@ -22,6 +22,8 @@ const OUTLIER: f32 = 40.0;
 const SLOPE_PRIOR: f32 = 0.3;
 /// Largest credible slope, pixels of disparity per row.
 const MAX_SLOPE: f32 = 0.8;
+/// Largest share of the patch's contrast that may remain: more remains where two different things are compared.
+const MAX_UNEXPLAINED: f32 = 0.5;
 const MAX_ITERATIONS: usize = 5;
 /// Steps of the disparity below this many pixels end the iteration.
 const CONVERGED_PX: f32 = 0.08;
@@ -82,7 +84,9 @@ impl Task for Align<'_> {
                 return None;
             }
             if iteration > 0 && step[0].abs() < CONVERGED_PX {
-                return Some(Alignment { disparity, slope, residual: sums.residual() });
+                let residual = sums.residual();
+                let explained = residual < MAX_UNEXPLAINED * template.contrast();
+                return explained.then_some(Alignment { disparity, slope, residual });
             }
         }
         None
@@ -123,6 +127,26 @@ impl Template {
             }
         }
         template
+    }
+
+    /// Weighted mean of the absolute deviations from the mean, grey levels.
+    #[inline(always)]
+    fn contrast(&self) -> f32 {
+        let weighted_mean = |subtracted: f32, absolute: bool| {
+            let (mut sums, mut ones) = ([0.0; 8], [0.0; 8]);
+            for (values, weights) in self.values.iter().zip(&WEIGHTS) {
+                for half in [0, 8] {
+                    for k in 0..8 {
+                        let deviation = values[half + k] - subtracted;
+                        let deviation = if absolute { deviation.abs() } else { deviation };
+                        sums[k] += weights[half + k] * deviation;
+                        ones[k] += weights[half + k];
+                    }
+                }
+            }
+            total(&sums) / total(&ones)
+        };
+        weighted_mean(weighted_mean(0.0, false), true)
     }
 
     /// Sums of the linearised problem; `None` when the patch leaves the right image.

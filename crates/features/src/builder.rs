@@ -18,6 +18,7 @@ pub struct FrameBuilder {
     right_pyramid: Pyramid,
     matcher: StereoMatcher,
     depth: DepthConfig,
+    disparity_offset_px: f32,
 }
 
 impl FrameBuilder {
@@ -25,7 +26,21 @@ impl FrameBuilder {
     #[must_use]
     pub fn new(rig: Arc<Rig>, extractor: ExtractorConfig, stereo: StereoConfig, depth: DepthConfig) -> Self {
         let matcher = StereoMatcher::new(stereo);
-        Self { rig, extractor: Extractor::new(extractor), right_pyramid: Pyramid::default(), matcher, depth }
+        Self {
+            rig,
+            extractor: Extractor::new(extractor),
+            right_pyramid: Pyramid::default(),
+            matcher,
+            depth,
+            disparity_offset_px: 0.0,
+        }
+    }
+
+    /// Adds `offset_px` to every disparity from now on: a correction of the stereo calibration, pixels of level 0.
+    #[must_use]
+    pub fn with_disparity_offset(mut self, offset_px: f64) -> Self {
+        self.disparity_offset_px = offset_px as f32;
+        self
     }
 
     /// The camera.
@@ -36,7 +51,7 @@ impl FrameBuilder {
 
     /// A frame of a rectified stereo pair. Where the sizes differ no feature gets a depth.
     pub fn stereo(&mut self, index: u32, timestamp_s: f64, left: &GrayImage, right: &GrayImage) -> Frame {
-        let Self { rig, extractor, right_pyramid, matcher, .. } = self;
+        let Self { rig, extractor, right_pyramid, matcher, disparity_offset_px, .. } = self;
         let scales = Arc::clone(extractor.scales());
         let same_size = left.width == right.width && left.height == right.height;
         let (features, ()) = rayon::join(
@@ -54,7 +69,7 @@ impl FrameBuilder {
             vec![f32::NAN; features.keypoints.len()]
         };
         let features = undistorted(rig, features);
-        let right_u = features.keypoints.iter().zip(disparities).map(|(k, d)| k.x - d).collect();
+        let right_u = features.keypoints.iter().zip(disparities).map(|(k, d)| k.x - corrected(d, *disparity_offset_px)).collect();
         Frame::new(index, timestamp_s, Arc::clone(rig), scales, features, right_u)
     }
 
@@ -81,6 +96,12 @@ impl FrameBuilder {
         let (rig, scales) = (Arc::clone(&self.rig), Arc::clone(self.extractor.scales()));
         Frame::new(index, timestamp_s, rig, scales, features, right_u)
     }
+}
+
+/// A disparity with its offset; NaN when nothing above zero is left.
+fn corrected(disparity: f32, offset_px: f32) -> f32 {
+    let disparity = disparity + offset_px;
+    if disparity > 0.0 { disparity } else { f32::NAN }
 }
 
 /// Moves the key-points to where an ideal lens would have shown them.

@@ -28,10 +28,12 @@ pub struct StereoConfig {
 
 impl Default for StereoConfig {
     fn default() -> Self {
-        Self { min_depth_m: 0.0, uniqueness: 0.8, max_left_right_px: 1, max_residual_ratio: 2.1 }
+        Self { min_depth_m: 0.0, uniqueness: 0.85, max_left_right_px: 1, max_residual_ratio: 2.1 }
     }
 }
 
+/// Smaller disparities, about the accuracy of the measurement, say nothing of the depth.
+const MIN_DISPARITY_PX: f32 = 0.1;
 /// Places nearer than this to the best belong to the same minimum, pixels of the octave.
 const SAME_MINIMUM: usize = 3;
 /// Baselines of the nearest depth when none is configured.
@@ -72,7 +74,7 @@ impl StereoMatcher {
         let max_disparity = (rig.stereo.bf() / min_depth) as f32;
         let find = |scratch: &mut Scratch, keypoint: &Keypoint| {
             let found = self.find(pair, keypoint, max_disparity, scratch)?;
-            (found.disparity > 0.0 && found.disparity < max_disparity).then_some(found)
+            (found.disparity > MIN_DISPARITY_PX && found.disparity < max_disparity).then_some(found)
         };
         let found: Vec<Option<Alignment>> =
             keypoints.par_iter().with_min_len(32).map_init(Scratch::default, find).collect();
@@ -136,10 +138,9 @@ impl StereoMatcher {
         if best == 0 || best + 1 == n {
             return None;
         }
-        let lowest = |costs: &[u16]| costs.iter().copied().min().unwrap_or(u16::MAX);
-        let beyond = (best + SAME_MINIMUM + 1).min(n);
-        let other = lowest(&costs[..best.saturating_sub(SAME_MINIMUM)]).min(lowest(&costs[beyond..]));
-        if f32::from(costs[best]) >= self.config.uniqueness * f32::from(other) {
+        let other = lowest_vertex(&costs[..(best + 1).saturating_sub(SAME_MINIMUM)])
+            .min(lowest_vertex(&costs[(best + SAME_MINIMUM).min(n)..]));
+        if f32::from(costs[best]) >= self.config.uniqueness * other {
             return None;
         }
         let fraction = vertex(costs[best - 1], costs[best], costs[best + 1]);
@@ -164,6 +165,17 @@ impl StereoMatcher {
 fn nearest_minimum(costs: &[u16]) -> usize {
     let lowest = costs.iter().copied().min().unwrap_or(0);
     costs.iter().rposition(|&c| c == lowest).unwrap_or(0)
+}
+
+/// The least cost of the minima inside of `costs`, between the places too: in periodic structures the whole places may all lie
+/// beside the minimum.
+fn lowest_vertex(costs: &[u16]) -> f32 {
+    let twice = costs.windows(3).map(|c| {
+        let [before, middle, after] = [c[0], c[1], c[2]].map(i32::from);
+        let is_minimum = middle <= before && middle <= after;
+        if is_minimum { 2 * middle - (before - after).abs() } else { i32::MAX }
+    });
+    twice.min().map_or(f32::MAX, |twice| 0.5 * twice as f32)
 }
 
 /// Position of the minimum between three costs, the middle one lowest, of two lines of equal and opposite slope (the form of

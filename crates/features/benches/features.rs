@@ -1,0 +1,90 @@
+//! Times of the stages on one KITTI stereo pair, or on a made one where `DSSLAM_DATA` names no data.
+//!
+//! For a single thread set `RAYON_NUM_THREADS=1`.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use features::{
+    DepthConfig, EpipolarRange, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, Rig,
+    StereoConfig, match_brute_force, search_epipolar_all, search_windows,
+};
+use geometry::{Distortion, GrayImage, Pinhole, SE3, SO3, StereoRig, Vec3};
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::Arc;
+
+const FRAMES: [&str; 2] = ["kitti06_first51/image_0/000020.png", "kitti06_first51/image_1/000020.png"];
+
+/// Left and right image, and where they come from.
+fn images() -> (GrayImage, GrayImage, &'static str) {
+    let data = std::env::var("DSSLAM_DATA").unwrap_or_default();
+    let load = |name: &str| {
+        let image = image::open(Path::new(&data).join(name)).ok()?.into_luma8();
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        GrayImage::from_vec(width, height, image.into_raw())
+    };
+    match FRAMES.map(load) {
+        [Some(left), Some(right)] => (left, right, "kitti06"),
+        _ => (made(0), made(30), "made"),
+    }
+}
+
+/// Blocks of random brightness under ramps, moved by `shift` pixels.
+fn made(shift: usize) -> GrayImage {
+    GrayImage::from_fn(1241, 376, |x, y| {
+        let x = x + shift;
+        let noise = geometry::mix_seed(1, (x / 6) as u64, (y / 5) as u64) >> 57;
+        (noise as usize + (x + y) % 90) as u8
+    })
+}
+
+fn rig(image: &GrayImage) -> Arc<Rig> {
+    let camera = Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 };
+    let distortion = Distortion { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
+    let stereo = StereoRig { camera, baseline_m: 0.5372 };
+    Arc::new(Rig { stereo, distortion, width: image.width, height: image.height })
+}
+
+fn stages(criterion: &mut Criterion) {
+    let (left, right, source) = images();
+    let mut group = criterion.benchmark_group(source);
+    group.sample_size(40);
+    let mut extractor = Extractor::new(ExtractorConfig::default());
+    group.bench_function("extract 2000", |b| b.iter(|| black_box(extractor.extract(&left))));
+    let mut few = Extractor::new(ExtractorConfig { keep: 500, ..ExtractorConfig::default() });
+    group.bench_function("extract 500", |b| b.iter(|| black_box(few.extract(&left))));
+
+    let configs = (ExtractorConfig::default(), StereoConfig::default(), DepthConfig::default());
+    let mut builder = FrameBuilder::new(rig(&left), configs.0, configs.1, configs.2);
+    group.bench_function("stereo frame", |b| b.iter(|| black_box(builder.stereo(0, 0.0, &left, &right))));
+
+    let frame = builder.stereo(0, 0.0, &left, &right);
+    let queries: Vec<ProjectionQuery> = (0..frame.len()).map(|i| query(&frame, i)).collect();
+    let free = vec![true; frame.len()];
+    group.bench_function("windows", |b| b.iter(|| black_box(search_windows(&frame, &queries, &free))));
+    let all: Vec<u32> = (0..frame.len() as u32).collect();
+    let forward = SE3::new(SO3::identity(), Vec3::new(0.0, 0.0, -1.0));
+    let range = EpipolarRange { min_depth_m: 2.0, ..EpipolarRange::default() };
+    group.bench_function("epipolar", |b| {
+        b.iter(|| black_box(search_epipolar_all(&frame, &all, &frame, &forward, &range, &free)));
+    });
+    group.bench_function("brute force", |b| {
+        b.iter(|| black_box(match_brute_force(&frame.descriptors, &frame.descriptors, 50, 0.8)));
+    });
+    group.finish();
+}
+
+fn query(frame: &Frame, i: usize) -> ProjectionQuery {
+    let keypoint = frame.keypoints[i];
+    ProjectionQuery {
+        x: keypoint.x + 3.0,
+        y: keypoint.y - 2.0,
+        right_u: f32::NAN,
+        radius_px: 10.0 * frame.scales.scales[usize::from(keypoint.octave)],
+        min_octave: keypoint.octave.saturating_sub(1),
+        max_octave: keypoint.octave + 1,
+        descriptor: frame.descriptors[i],
+    }
+}
+
+criterion_group!(benches, stages);
+criterion_main!(benches);
