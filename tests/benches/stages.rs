@@ -169,7 +169,8 @@ fn stages(criterion: &mut Criterion) {
 
 /// All of it on one thread.
 fn on_one_thread(criterion: &mut Criterion) {
-    rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| stages(criterion));
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
+    stages(criterion);
 }
 
 criterion_group! {

@@ -55,6 +55,8 @@ fn main() {
         }),
         extractor: ExtractorConfig::default(),
         stereo: StereoConfig::default(),
+        disparity_offset_px: 0.0,
+        calibration_frames: 0,
         depth: DepthConfig::default(),
         slam: slam::Params::stereo(close_depth_m, 10.0),
     };
