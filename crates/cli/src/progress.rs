@@ -94,6 +94,18 @@ impl Observer for Progress {
                 ));
                 self.bar.set_position(self.n_frames as u64);
             }
+            Event::Calibrating { done, frames } => {
+                self.bar.set_length(*frames as u64);
+                self.bar.set_message("refining the stereo calibration");
+                self.bar.set_position(*done as u64);
+            }
+            Event::Calibrated { estimate: Some(estimate) } => self.tell(&format!(
+                "stereo calibration refined from the images: disparity offset {:+.3} px (+- {:.3} px)",
+                estimate.offset_px, estimate.sigma_px
+            )),
+            Event::Calibrated { estimate: None } => {
+                self.tell("stereo calibration left as it is: too few keyframes tell of a disparity offset");
+            }
             Event::Keyframe { .. } => {}
         }
     }

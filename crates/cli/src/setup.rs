@@ -50,6 +50,8 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
         sensor: run_sensor,
         extractor: extractor(&config.features),
         stereo: stereo(&config.stereo),
+        disparity_offset_px: config.stereo.disparity_offset_px,
+        calibration_frames: config.stereo.calibration_frames,
         depth: DepthConfig { units_per_metre: config.camera.depth_units_per_metre, ..DepthConfig::default() },
         slam: slam_params(config, run_sensor, close_depth_m),
         rig: Arc::new(rig),
@@ -62,7 +64,12 @@ fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
 }
 
 fn stereo(settings: &StereoSettings) -> StereoConfig {
-    let StereoSettings { min_depth_m, close_depth_baselines: _ } = *settings;
+    let StereoSettings {
+        min_depth_m,
+        close_depth_baselines: _,
+        disparity_offset_px: _,
+        calibration_frames: _,
+    } = *settings;
     let defaults = StereoConfig::default();
     StereoConfig { min_depth_m: min_depth_m.unwrap_or(defaults.min_depth_m), ..defaults }
 }

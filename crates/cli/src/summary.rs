@@ -35,6 +35,10 @@ pub(crate) struct Summary {
     pub(crate) points: usize,
     /// Loops closed.
     pub(crate) loops: usize,
+    /// Disparity offset in force, pixels.
+    pub(crate) disparity_offset_px: f64,
+    /// Standard deviation of what the calibration pass found, pixels; `null` without one.
+    pub(crate) disparity_offset_sigma_px: Option<f64>,
     /// What was aligned before the absolute error was taken: `SE3` or `Sim3`.
     pub(crate) alignment: Option<String>,
     /// Absolute trajectory error, root mean square over all frames with a pose, metres.
@@ -134,6 +138,8 @@ impl Summary {
             keyframes: outcome.map.n_keyframes(),
             points: outcome.map.n_points(),
             loops: 0,
+            disparity_offset_px: outcome.disparity_offset_px,
+            disparity_offset_sigma_px: outcome.calibration.map(|estimate| estimate.sigma_px),
             alignment: errors.map(|_| alignment_of(context.sensor).to_string()),
             ate_rmse_m: errors.map(|e| e.ate.rmse),
             ate_frames: errors.map(|e| e.ate.n),

@@ -69,7 +69,12 @@ impl FrameBuilder {
             vec![f32::NAN; features.keypoints.len()]
         };
         let features = undistorted(rig, features);
-        let right_u = features.keypoints.iter().zip(disparities).map(|(k, d)| k.x - corrected(d, *disparity_offset_px)).collect();
+        let right_u = features
+            .keypoints
+            .iter()
+            .zip(disparities)
+            .map(|(k, d)| k.x - corrected(d, *disparity_offset_px))
+            .collect();
         Frame::new(index, timestamp_s, Arc::clone(rig), scales, features, right_u)
     }
 

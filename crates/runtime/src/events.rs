@@ -1,7 +1,7 @@
 //! What a run tells while it runs. Observers print, draw and count; nothing is read back.
 
 use map::KeyframeId;
-use slam::{KeyframeReason, MappingReport, TrackStats};
+use slam::{KeyframeReason, MappingReport, OffsetEstimate, TrackStats};
 
 use crate::record::FrameStatus;
 
@@ -12,6 +12,18 @@ pub enum Event<'a> {
     Started {
         /// Frames to come.
         frames: usize,
+    },
+    /// A frame of the calibration pass is done; `done` of `frames`.
+    Calibrating {
+        /// Frames done.
+        done: usize,
+        /// Frames of the pass.
+        frames: usize,
+    },
+    /// The calibration pass is over.
+    Calibrated {
+        /// What it found; `None`: nothing clear, the calibration stays as it is.
+        estimate: Option<OffsetEstimate>,
     },
     /// A frame went through tracking.
     Frame {

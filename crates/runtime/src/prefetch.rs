@@ -17,9 +17,10 @@ pub(crate) struct Fetched {
     pub(crate) decode_ms: f64,
 }
 
-/// Runs `consume` with the frames of `feed` in order. When `consume` returns early, the decoder ends with it.
+/// Runs `consume` with the first `frames` of `feed` in order. When `consume` returns early, the decoder ends with it.
 pub(crate) fn with_prefetch<T>(
     feed: &dyn FrameFeed,
+    frames: usize,
     consume: impl FnOnce(Receiver<Fetched>) -> T,
 ) -> Result<T, RunError> {
     let (sender, receiver) = bounded(AHEAD);
@@ -27,7 +28,7 @@ pub(crate) fn with_prefetch<T>(
         std::thread::Builder::new()
             .name("decode".into())
             .spawn_scoped(scope, move || {
-                for i in 0..feed.len() {
+                for i in 0..frames {
                     let (images, decode_ms) = timed(|| feed.load(i));
                     if sender.send(Fetched { info: feed.info(i), images, decode_ms }).is_err() {
                         return;

@@ -2,7 +2,7 @@
 
 use geometry::SE3;
 use map::{KeyframeId, Map};
-use slam::{Lost, NotReady};
+use slam::{Lost, NotReady, OffsetEstimate};
 use thiserror::Error;
 
 use crate::timings::Timings;
@@ -51,6 +51,10 @@ pub struct RunOutcome {
     pub frames: Vec<FrameRecord>,
     /// The map.
     pub map: Map,
+    /// Disparity offset in force, pixels; see [`Setup`](crate::Setup).
+    pub disparity_offset_px: f64,
+    /// What the calibration pass found, if there was one and the images told.
+    pub calibration: Option<OffsetEstimate>,
     /// Wall-clock times.
     pub timings: Timings,
     /// Whether the run was stopped before its last frame.

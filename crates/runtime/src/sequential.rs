@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use features::{Frame, FrameBuilder};
 use io::LoadedFrame;
-use slam::{Mapper, TrackState, TrackStats, Tracked, Tracker};
+use slam::{Mapper, OffsetEstimate, TrackState, TrackStats, Tracked, Tracker, estimate_disparity_offset};
 
-use crate::events::{Event, Observer};
+use crate::events::{Event, Observer, Silent};
 use crate::feed::FrameFeed;
 use crate::prefetch::{Fetched, with_prefetch};
 use crate::record::{FrameRecord, FrameStatus, RelativePose, RunError, RunOutcome};
@@ -27,9 +27,12 @@ pub fn run(
     if feed.is_empty() {
         return Err(RunError::NoFrames);
     }
+    let calibration = calibrate(feed, setup, observer, stop)?;
+    let disparity_offset_px =
+        setup.disparity_offset_px + calibration.map_or(0.0, |estimate| estimate.offset_px);
     observer.event(&Event::Started { frames: feed.len() });
-    with_prefetch(feed, |frames| {
-        let mut run = Run::new(setup);
+    let mut outcome = with_prefetch(feed, feed.len(), |frames| {
+        let mut run = Run::new(setup, disparity_offset_px);
         for fetched in frames {
             run.step(fetched, observer);
             if stop.load(Ordering::Relaxed) {
@@ -38,12 +41,41 @@ pub fn run(
         }
         let interrupted = run.records.len() < feed.len();
         run.finish(interrupted)
-    })
+    })?;
+    outcome.calibration = calibration;
+    Ok(outcome)
+}
+
+/// A first pass over the first frames whose only result is the disparity offset.
+fn calibrate(
+    feed: &dyn FrameFeed,
+    setup: &Setup,
+    observer: &mut dyn Observer,
+    stop: &AtomicBool,
+) -> Result<Option<OffsetEstimate>, RunError> {
+    let frames = setup.calibration_frames.min(feed.len());
+    if frames == 0 || setup.sensor != Sensor::Stereo {
+        return Ok(None);
+    }
+    let estimate = with_prefetch(feed, frames, |fetched| {
+        let mut run = Run::new(setup, setup.disparity_offset_px);
+        for (done, fetched) in fetched.into_iter().enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            run.step(fetched, &mut Silent);
+            observer.event(&Event::Calibrating { done: done + 1, frames });
+        }
+        estimate_disparity_offset(run.mapper.map())
+    })?;
+    observer.event(&Event::Calibrated { estimate });
+    Ok(estimate)
 }
 
 /// The state of a run between two frames.
 struct Run<'a> {
     setup: &'a Setup,
+    disparity_offset_px: f64,
     builder: FrameBuilder,
     tracker: Tracker,
     mapper: Mapper,
@@ -54,15 +86,17 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(setup: &'a Setup) -> Self {
+    fn new(setup: &'a Setup, disparity_offset_px: f64) -> Self {
         Run {
             setup,
+            disparity_offset_px,
             builder: FrameBuilder::new(
                 setup.rig.clone(),
                 setup.extractor.clone(),
                 setup.stereo.clone(),
                 setup.depth.clone(),
-            ),
+            )
+            .with_disparity_offset(disparity_offset_px),
             tracker: Tracker::new(setup.slam.clone()),
             mapper: Mapper::new(setup.slam.clone()),
             records: Vec::new(),
@@ -167,7 +201,14 @@ impl<'a> Run<'a> {
         for (record, relative) in self.records.iter_mut().zip(&self.relative) {
             record.world_from_cam = relative.as_ref().and_then(|relative| relative.world_from_cam(&map));
         }
-        RunOutcome { frames: self.records, map, timings: self.timings, interrupted }
+        RunOutcome {
+            frames: self.records,
+            map,
+            disparity_offset_px: self.disparity_offset_px,
+            calibration: None,
+            timings: self.timings,
+            interrupted,
+        }
     }
 }
 

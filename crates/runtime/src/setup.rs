@@ -25,6 +25,10 @@ pub struct Setup {
     pub extractor: ExtractorConfig,
     /// Stereo association.
     pub stereo: StereoConfig,
+    /// Added to every disparity: a known error of the stereo calibration, pixels.
+    pub disparity_offset_px: f64,
+    /// Frames of a first pass that refines the disparity offset from the images; 0: there is no such pass.
+    pub calibration_frames: usize,
     /// Depth association.
     pub depth: DepthConfig,
     /// Tracking and mapping.

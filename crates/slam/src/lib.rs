@@ -5,13 +5,16 @@
 //! Start reading at [`Tracker::track`] and [`Mapper::refine`].
 
 mod assign;
+mod calibrate;
 pub mod lost;
 pub mod mapper;
+mod noise;
 pub mod params;
 pub mod probe;
 pub mod tracker;
 mod visibility;
 
+pub use calibrate::{OffsetEstimate, estimate_disparity_offset};
 pub use lost::{Lost, NotReady};
 pub use mapper::{Mapper, MappingReport};
 pub use params::{MappingParams, Params, TrackingParams};

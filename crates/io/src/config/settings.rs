@@ -75,6 +75,10 @@ pub struct StereoSettings {
     pub min_depth_m: Option<f64>,
     /// Depth in baselines up to which a point is close.
     pub close_depth_baselines: f64,
+    /// Added to every disparity, px.
+    pub disparity_offset_px: f64,
+    /// Frames of the calibration pass; 0: none.
+    pub calibration_frames: usize,
 }
 
 /// Section `tracking`.

@@ -34,8 +34,10 @@ pub const SCHEMA: &[Entry] = &[
 
     optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: four baselines"),
     real("stereo.close_depth_baselines", 40.0, "baselines", above(0.0), "a point nearer than this makes a map point at once"),
+    real("stereo.disparity_offset_px", 0.0, "px", between(-5.0, 5.0), "added to every disparity: a known error of the stereo calibration"),
+    integer("stereo.calibration_frames", 0, "frames", [0, 100_000], "first frames run once before to refine the disparity offset from the images; 0: not at all"),
 
-    integer("tracking.init_min_features", 500, "", [10, 100_000], "features with depth needed to start a map"),
+    integer("tracking.init_min_features", 100, "", [10, 100_000], "features with depth needed to start a map"),
     integer("tracking.min_inliers", 30, "", [4, 10_000], "matched map points below which a frame counts as lost"),
     real("tracking.keyframe_ratio", 0.75, "", between(0.0, 1.0), "a keyframe is due when fewer of the reference's points are tracked"),
     integer("tracking.close_tracked_min", 100, "", [0, 100_000], "close points tracked, below which a keyframe is due ..."),

@@ -9,6 +9,7 @@ use optim::{
 };
 
 use super::Mapper;
+use crate::noise::information;
 
 /// What the adjustment moved.
 #[derive(Clone, Copy, Debug, Default)]
@@ -85,7 +86,7 @@ impl Mapper {
                     point: point_index as u32,
                     pixel: observer.frame.pixel(feature),
                     right_u: f64::from(observer.frame.right_u[feature]),
-                    inv_sigma_sq: observer.frame.inv_sigma_sq(feature),
+                    inv_sigma_sq: information(&observer.frame, feature, self.params.feature_sigma_px),
                 });
             }
         }

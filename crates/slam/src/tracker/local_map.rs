@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::pose::{RefinedPose, refine};
 use super::predict::{MAX_DISTANCE_WIDE, Prediction};
 use crate::assign::one_to_one;
-use crate::params::TrackingParams;
+use crate::params::{Params, TrackingParams};
 use crate::visibility::{Projection, project_visible};
 
 /// Best over second-best distance, asked for when both are on the same octave.
@@ -94,17 +94,19 @@ impl LocalMap {
         frame: &Frame,
         map: &Map,
         predicted: &Prediction,
-        params: &TrackingParams,
+        params: &Params,
     ) -> LocallyTracked {
-        let factor = params.local_radius_factor;
+        let factor = params.tracking.local_radius_factor;
         let mut start = predicted.clone();
         if predicted.without_motion_model {
             // A rough pose: a first search in wide windows makes it a good one.
-            let wide = self.search_and_refine(frame, map, &start, factor.max(WIDENING_WITHOUT_MOTION));
+            let wide =
+                self.search_and_refine(frame, map, &start, factor.max(WIDENING_WITHOUT_MOTION), params);
             start.cam_from_world = wide.refined.cam_from_world;
             start.matches = wide.refined.inliers;
         }
-        let Searched { visible, refined, n_matches } = self.search_and_refine(frame, map, &start, factor);
+        let Searched { visible, refined, n_matches } =
+            self.search_and_refine(frame, map, &start, factor, params);
         let reference_from_world =
             map.keyframe(self.reference).map_or(SE3::identity(), |kf| kf.cam_from_world);
         LocallyTracked {
@@ -119,12 +121,19 @@ impl LocalMap {
     }
 
     /// Adds matches in windows of `factor` times the usual size and optimises the pose with all.
-    fn search_and_refine(&self, frame: &Frame, map: &Map, start: &Prediction, factor: f32) -> Searched {
+    fn search_and_refine(
+        &self,
+        frame: &Frame,
+        map: &Map,
+        start: &Prediction,
+        factor: f32,
+        params: &Params,
+    ) -> Searched {
         let visible = self.visible(frame, map, &start.cam_from_world, &start.matches);
         let mut matches = start.matches.clone();
         matches.extend(search(frame, map, &visible, &start.matches, factor));
         matches.sort_unstable();
-        let refined = refine(frame, map, start.cam_from_world, &matches);
+        let refined = refine(frame, map, start.cam_from_world, &matches, params.feature_sigma_px);
         Searched { visible, refined, n_matches: matches.len() }
     }
 

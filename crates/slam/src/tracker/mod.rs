@@ -165,7 +165,7 @@ impl Tracker {
                 Ok(predicted) => {
                     let local = staged(probe, Stage::LocalMap, || {
                         LocalMap::gather(map, &predicted.matches, last.reference, &self.params.tracking)
-                            .track(frame, map, &predicted, &self.params.tracking)
+                            .track(frame, map, &predicted, &self.params)
                     });
                     let (found, needed) = (local.matches.len(), self.params.tracking.min_inliers);
                     if found >= needed {

@@ -5,6 +5,8 @@ use geometry::{SE3, Vec3};
 use map::{Map, PointId};
 use optim::{PoseObservation, PoseOptions, refine_pose};
 
+use crate::noise::information;
+
 /// A refined pose and the matches that agree with it.
 #[derive(Clone, Debug)]
 pub(crate) struct RefinedPose {
@@ -18,6 +20,7 @@ pub(crate) fn refine_with_positions(
     frame: &Frame,
     initial: SE3,
     matches: &[(u32, Vec3)],
+    sigma_px: f64,
 ) -> (SE3, Vec<bool>) {
     let observations: Vec<PoseObservation> = matches
         .iter()
@@ -27,7 +30,7 @@ pub(crate) fn refine_with_positions(
                 point_world,
                 pixel: frame.pixel(i),
                 right_u: f64::from(frame.right_u[i]),
-                inv_sigma_sq: frame.inv_sigma_sq(i),
+                inv_sigma_sq: information(frame, i, sigma_px),
             }
         })
         .collect();
@@ -36,14 +39,20 @@ pub(crate) fn refine_with_positions(
 }
 
 /// Optimises the pose of `frame` with `matches` of its features and points of `map`; removed points are passed over.
-pub(crate) fn refine(frame: &Frame, map: &Map, initial: SE3, matches: &[(u32, PointId)]) -> RefinedPose {
+pub(crate) fn refine(
+    frame: &Frame,
+    map: &Map,
+    initial: SE3,
+    matches: &[(u32, PointId)],
+    sigma_px: f64,
+) -> RefinedPose {
     let living: Vec<(u32, PointId, Vec3)> = matches
         .iter()
         .filter_map(|&(feature, id)| map.point(id).map(|point| (feature, id, point.position)))
         .collect();
     let positions: Vec<(u32, Vec3)> =
         living.iter().map(|&(feature, _, position)| (feature, position)).collect();
-    let (cam_from_world, agrees) = refine_with_positions(frame, initial, &positions);
+    let (cam_from_world, agrees) = refine_with_positions(frame, initial, &positions, sigma_px);
     let inliers = living.iter().zip(agrees).filter(|(_, agrees)| *agrees).map(|(m, _)| (m.0, m.1)).collect();
     RefinedPose { cam_from_world, inliers }
 }

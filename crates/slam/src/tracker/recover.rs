@@ -38,7 +38,7 @@ pub(super) fn recover(
         }
         let seed = mix_seed(params.seed, u64::from(frame.index), SEED_PURPOSE + (u64::from(keyframe.0) << 8));
         let Some(initial) = pose_by_ransac(frame, map, &matches, seed) else { continue };
-        let pose = refine(frame, map, initial, &matches);
+        let pose = refine(frame, map, initial, &matches, params.feature_sigma_px);
         if pose.inliers.len() >= tracking.min_predicted_inliers {
             return Ok(pose);
         }
