@@ -53,7 +53,7 @@ pub(crate) struct RunArgs {
     /// Overrides one key of the configuration; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) overrides: Vec<String>,
-    /// Writes the results into this folder instead of results/<sequence>/<time>.
+    /// Writes the results into this folder instead of results/SEQUENCE/TIME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Stops after this many frames.
@@ -91,7 +91,7 @@ pub(crate) struct DemoArgs {
     /// Overrides one key of the configuration; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) overrides: Vec<String>,
-    /// Writes the results into this folder instead of results/<preset>/<time>.
+    /// Writes the results into this folder instead of results/PRESET/TIME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 }
