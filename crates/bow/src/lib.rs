@@ -4,6 +4,8 @@
 //! to the keyframes that look alike) and [`match_by_node`] (two direct indices to feature matches). [`train`] makes a
 //! vocabulary, [`tool`] is what the command line calls.
 
+mod block;
+mod built_in;
 mod direct;
 mod error;
 mod format;

@@ -1,14 +1,15 @@
 //! What `dsslam vocab train | info | convert` calls: files in and out, facts for printing. Prints nothing itself.
 
+use crate::block::Block;
 use crate::error::{FormatError, VocabularyError};
 use crate::format::{binary, layout::VERSION, text};
-use crate::vocabulary::{Block, Vocabulary};
+use crate::vocabulary::Vocabulary;
 use features::{Descriptor, Extractor, ExtractorConfig};
 use geometry::GrayImage;
 use rayon::prelude::*;
 use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
+use std::io::Write;
 use std::path::Path;
 
 /// The two file formats.
@@ -38,7 +39,10 @@ impl fmt::Display for Format {
     }
 }
 
-/// Reads a vocabulary in either format, which its first bytes tell.
+/// Opens a vocabulary in either format, which its first bytes tell.
+///
+/// A file of our own format is mapped into memory: while it is in use it must not be changed in place, only replaced, as
+/// [`save`] does.
 ///
 /// # Errors
 /// [`VocabularyError`], naming the file.
@@ -51,12 +55,11 @@ pub fn open(path: &Path) -> Result<Vocabulary, VocabularyError> {
 /// # Errors
 /// As [`open`].
 pub fn open_with_format(path: &Path) -> Result<(Vocabulary, Format), VocabularyError> {
-    let (block, length) = read(path).map_err(|error| VocabularyError::unreadable(path, &error))?;
-    let bytes = &bytemuck::cast_slice(&block)[..length];
-    let (result, format) = if text::is_text(bytes) {
-        (parse_text(bytes), Format::Text)
+    let block = Block::of_file(path).map_err(|error| VocabularyError::unreadable(path, &error))?;
+    let (result, format) = if text::is_text(block.bytes()) {
+        (parse_text(block.bytes()), Format::Text)
     } else {
-        (Vocabulary::from_block(Block::Owned(block), length), Format::Binary)
+        (Vocabulary::from_block(block), Format::Binary)
     };
     let vocabulary = result.map_err(|problem| VocabularyError::format(path, problem))?;
     Ok((vocabulary, format))
@@ -70,27 +73,6 @@ fn parse_text(bytes: &[u8]) -> Result<Vocabulary, FormatError> {
         FormatError::Line { line, found, expected: "text".into() }
     })?;
     Vocabulary::from_text(text)
-}
-
-/// A whole file, aligned to 8 bytes, and its length. The size that the system states is a hint only.
-fn read(path: &Path) -> io::Result<(Vec<u64>, usize)> {
-    let mut file = File::open(path)?;
-    let hint = usize::try_from(file.metadata()?.len()).map_err(io::Error::other)?;
-    let mut block = vec![0u64; hint / 8 + 1];
-    let mut length = 0;
-    loop {
-        let free: &mut [u8] = &mut bytemuck::cast_slice_mut(&mut block)[length..];
-        if free.is_empty() {
-            block.resize(block.len() * 2, 0);
-            continue;
-        }
-        match file.read(free) {
-            Ok(0) => return Ok((block, length)),
-            Ok(n) => length += n,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
 }
 
 /// Writes a vocabulary: to a temporary name beside the file, synced, then renamed, so that a file of this name is whole.

@@ -81,7 +81,7 @@ impl Task for Descend<'_> {
                 if children.is_empty() {
                     break;
                 }
-                node = children.start + nearest(&self.tree.medians[children], &descriptor.0).0;
+                node = children.start + nearest(&self.tree.medians[children], &descriptor.0);
                 depth += 1;
                 if depth <= self.level {
                     at_level = node;

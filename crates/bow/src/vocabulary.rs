@@ -1,11 +1,13 @@
 //! The vocabulary tree: medians, first children and weights in one block of memory, as it stands in the file.
 
+use crate::block::Block;
 use crate::error::FormatError;
 use crate::format::binary::{self, Header};
 use crate::format::layout::{HEADER_BYTES, Layout};
 use crate::kernels::Bits;
 use features::Descriptor;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Largest branching.
 pub const MAX_BRANCHING: u32 = 1000;
@@ -15,7 +17,7 @@ pub const MAX_LEVELS: u32 = 16;
 /// A tree whose nodes hold the bitwise median of descriptors; its leaves are the words.
 ///
 /// Nodes are numbered breadth first, the root is 0, the children of a node are neighbours. A word is the number of its
-/// leaf, so words are not dense. Cheap to load: the file's bytes are used in place.
+/// leaf, so words are not dense. Cheap to load, as the file's bytes are used in place, and to clone.
 #[derive(Clone, Debug)]
 pub struct Vocabulary {
     header: Header,
@@ -32,22 +34,6 @@ pub struct Origin {
     pub n_descriptors: u64,
     /// Seed of the training.
     pub seed: u64,
-}
-
-/// The bytes of a vocabulary, aligned to 8.
-#[derive(Clone, Debug)]
-pub(crate) enum Block {
-    Owned(Vec<u64>),
-    Static(&'static [u64]),
-}
-
-impl Block {
-    pub(crate) fn words(&self) -> &[u64] {
-        match self {
-            Self::Owned(words) => words,
-            Self::Static(words) => words,
-        }
-    }
 }
 
 /// A tree as plain tables, breadth first.
@@ -71,9 +57,8 @@ pub(crate) struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    /// The tables in a block of this layout.
-    pub(crate) fn of(block: &'a [u64], layout: Layout) -> Self {
-        let bytes: &[u8] = bytemuck::cast_slice(block);
+    /// The tables in bytes of this layout, aligned to 8.
+    pub(crate) fn of(bytes: &'a [u8], layout: Layout) -> Self {
         Self {
             medians: bytemuck::cast_slice(&bytes[HEADER_BYTES..layout.children]),
             first_child: bytemuck::cast_slice(&bytes[layout.children..layout.weights]),
@@ -93,10 +78,8 @@ impl Vocabulary {
     ///
     /// # Errors
     /// [`FormatError`] for anything that this program did not write: every byte is checked.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, FormatError> {
-        let mut words = vec![0u64; bytes.len().div_ceil(8)];
-        bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
-        Self::from_block(Block::Owned(words), bytes.len())
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, FormatError> {
+        Self::from_block(Block::Bytes(Arc::new(bytes)))
     }
 
     /// The vocabulary in bytes that are part of the program; nothing is copied when they are aligned to 8.
@@ -104,16 +87,14 @@ impl Vocabulary {
     /// # Errors
     /// As [`Vocabulary::from_bytes`].
     pub fn from_static(bytes: &'static [u8]) -> Result<Self, FormatError> {
-        match bytemuck::try_cast_slice(bytes) {
-            Ok(words) => Self::from_block(Block::Static(words), bytes.len()),
-            Err(_) => Self::from_bytes(bytes),
-        }
+        Self::from_block(Block::Static(bytes))
     }
 
-    /// The vocabulary in the first `length` bytes of a block.
-    pub(crate) fn from_block(block: Block, length: usize) -> Result<Self, FormatError> {
-        let bytes: &[u8] = bytemuck::cast_slice(block.words());
-        let (header, layout) = binary::check(&bytes[..length])?;
+    /// The vocabulary in a block of bytes, which is used in place if it is aligned.
+    pub(crate) fn from_block(block: Block) -> Result<Self, FormatError> {
+        let length = block.bytes().len();
+        let block = block.aligned();
+        let (header, layout) = binary::check(&block.bytes()[..length])?;
         Ok(Self { header, layout, block })
     }
 
@@ -122,19 +103,17 @@ impl Vocabulary {
     /// # Errors
     /// [`FormatError::Invalid`] with the rule that the tables break.
     pub(crate) fn from_tables(tables: &Tables) -> Result<Self, FormatError> {
-        let block = binary::assemble(tables)?;
-        let length = block.len() * 8;
-        Self::from_block(Block::Owned(block), length)
+        Self::from_bytes(binary::assemble(tables)?)
     }
 
     /// The bytes of its file.
     #[must_use]
     pub fn as_bytes(&self) -> &[u8] {
-        &bytemuck::cast_slice(self.block.words())[..self.layout.total]
+        &self.block.bytes()[..self.layout.total]
     }
 
     pub(crate) fn tree(&self) -> Tree<'_> {
-        Tree::of(self.block.words(), self.layout)
+        Tree::of(self.block.bytes(), self.layout)
     }
 
     /// Most children of a node.

@@ -62,8 +62,7 @@ fn check_contents(bytes: &[u8]) -> Result<(Header, Layout), FormatError> {
     };
     let layout = Layout::of(header.n_nodes).filter(|layout| layout.total == bytes.len());
     let layout = layout.ok_or_else(|| invalid(format!("{} nodes do not fill its length", header.n_nodes)))?;
-    let words = bytemuck::try_cast_slice(bytes).map_err(|error| invalid(error.to_string()))?;
-    let n_words = check_tree(&Tree::of(words, layout), header.branching, header.levels)?;
+    let n_words = check_tree(&Tree::of(bytes, layout), header.branching, header.levels)?;
     if n_words != header.n_words {
         return Err(invalid(format!("{} words announced, {n_words} leaves found", header.n_words)));
     }
@@ -105,16 +104,15 @@ pub(crate) fn check_tree(tree: &Tree<'_>, branching: u32, levels: u32) -> Result
     Ok(n_words)
 }
 
-/// The bytes of a tree, as words of 8.
-pub(crate) fn assemble(tables: &Tables) -> Result<Vec<u64>, FormatError> {
+/// The file of a tree.
+pub(crate) fn assemble(tables: &Tables) -> Result<Vec<u8>, FormatError> {
     let n_nodes = tables.medians.len();
     let tree =
         Tree { medians: &tables.medians, first_child: &tables.first_child, weights: &tables.weights };
     let n_words = check_tree(&tree, tables.branching, tables.levels)?;
     let layout = u32::try_from(n_nodes).ok().and_then(Layout::of);
     let layout = layout.ok_or_else(|| invalid(format!("{n_nodes} nodes are too many")))?;
-    let mut block = vec![0u64; layout.total / 8];
-    let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut block);
+    let mut bytes = vec![0; layout.total];
     bytes[..8].copy_from_slice(&MAGIC);
     let numbers = [(8, VERSION), (24, tables.branching), (28, tables.levels), (32, n_nodes as u32), (36, n_words)];
     for (at, number) in numbers {
@@ -127,9 +125,9 @@ pub(crate) fn assemble(tables: &Tables) -> Result<Vec<u64>, FormatError> {
     bytes[HEADER_BYTES..layout.children].copy_from_slice(bytemuck::cast_slice(&tables.medians));
     bytes[layout.children..layout.weights].copy_from_slice(bytemuck::cast_slice(&tables.first_child));
     bytes[layout.weights..layout.end].copy_from_slice(bytemuck::cast_slice(&tables.weights));
-    let sum = checksum(bytes);
+    let sum = checksum(&bytes);
     bytes[CHECKSUM].copy_from_slice(&sum.to_le_bytes());
-    Ok(block)
+    Ok(bytes)
 }
 
 /// CRC-32 of all bytes but the checksum's own; the header must be there.

@@ -31,11 +31,18 @@ struct Posting {
 pub(crate) struct Segment {
     /// Ascending keyframes.
     places: Vec<Place>,
-    /// Words that occur, ascending.
-    words: Vec<u32>,
-    /// The postings of `words[i]` end here, those of the next word follow.
+    /// Which words occur, 64 to a block.
+    blocks: Vec<Block>,
+    /// The postings of the i-th word that occurs end here, those of the next one follow.
     ends: Vec<u32>,
     postings: Vec<Posting>,
+}
+
+/// Which of 64 successive words occur, and how many do before them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    occurs: u64,
+    n_before: u32,
 }
 
 impl Segment {
@@ -48,14 +55,18 @@ impl Segment {
         for word in places.iter().flat_map(|place| place.vector.words()) {
             next[*word as usize] += 1;
         }
-        let (mut words, mut ends) = (Vec::new(), Vec::new());
+        let mut blocks = vec![Block::default(); n_words.div_ceil(64)];
+        let mut ends = Vec::new();
         let mut end = 0;
         for (word, next) in next.iter_mut().enumerate().filter(|(_, n)| **n > 0) {
             let start = end;
             end += *next;
             *next = start;
-            words.push(word as u32);
+            blocks[word / 64].occurs |= 1 << (word % 64);
             ends.push(end);
+        }
+        for i in 1..blocks.len() {
+            blocks[i].n_before = blocks[i - 1].n_before + blocks[i - 1].occurs.count_ones();
         }
         let mut postings = vec![Posting::default(); end as usize];
         for (i, place) in places.iter().enumerate() {
@@ -65,7 +76,7 @@ impl Segment {
                 *next += 1;
             }
         }
-        Self { places, words, ends, postings }
+        Self { places, blocks, ends, postings }
     }
 
     /// Its places, ascending keyframes.
@@ -80,15 +91,11 @@ impl Segment {
 
     /// Adds the places that share a word with `query` and are wanted.
     pub(crate) fn query(&self, query: &BowVector, wanted: impl Fn(usize) -> bool, matches: &mut Vec<PlaceMatch>) {
+        // All look-ups first: none of them waits for another one, nor for the postings.
+        let lists: Vec<_> = query.iter().map(|(word, weight)| (self.postings_of(word), weight)).collect();
         let mut sums = vec![(0u32, 0.0f64); self.places.len()];
-        let mut at = 0;
-        for (word, weight) in query.iter() {
-            at += gallop(&self.words[at..], word);
-            if self.words.get(at) != Some(&word) {
-                continue;
-            }
-            let start = if at == 0 { 0 } else { self.ends[at - 1] };
-            for posting in &self.postings[start as usize..self.ends[at] as usize] {
+        for (postings, weight) in lists {
+            for posting in postings {
                 let (shared_words, sum) = &mut sums[posting.place as usize];
                 *shared_words += 1;
                 *sum += f64::from(weight.min(posting.weight));
@@ -100,29 +107,13 @@ impl Segment {
             }
         }
     }
-}
-
-/// How many of the ascending words are below `word`; fast when they are few.
-fn gallop(words: &[u32], word: u32) -> usize {
-    let mut step = 1;
-    while step < words.len() && words[step] < word {
-        step *= 2;
-    }
-    let start = step / 2;
-    let end = (step + 1).min(words.len());
-    start + words[start..end].partition_point(|&w| w < word)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn galloping_finds_the_partition_point(mut words in prop::collection::vec(0u32..200, 0..60), word in 0u32..200) {
-            words.sort_unstable();
-            prop_assert_eq!(gallop(&words, word), words.partition_point(|&w| w < word));
-        }
+    fn postings_of(&self, word: u32) -> &[Posting] {
+        let bit = 1 << (word % 64);
+        let Some(block) = self.blocks.get(word as usize / 64).filter(|block| block.occurs & bit != 0) else {
+            return &[];
+        };
+        let i = (block.n_before + (block.occurs & (bit - 1)).count_ones()) as usize;
+        let start = if i == 0 { 0 } else { self.ends[i - 1] };
+        &self.postings[start as usize..self.ends[i] as usize]
     }
 }

@@ -63,7 +63,7 @@ impl Task for Assign<'_> {
         let mut changed = false;
         let mut counts = vec![BitCounts::default(); self.medians.len()];
         for (bits, label) in self.part.iter().zip(self.labels) {
-            let part = nearest(self.medians, bits).0;
+            let part = nearest(self.medians, bits);
             changed |= *label != part as u16;
             *label = part as u16;
             counts[part].add(bits);
@@ -116,7 +116,7 @@ mod tests {
             let labels: Vec<usize> = sizes.iter().enumerate().flat_map(|(i, &size)| vec![i; size]).collect();
             prop_assert_eq!(labels.len(), all.len());
             for (bits, label) in sorted.iter().zip(labels) {
-                prop_assert_eq!(nearest(&medians, bits).0, label);
+                prop_assert_eq!(nearest(&medians, bits), label);
             }
             let (mut before, mut after) = (all, sorted);
             before.sort_unstable();
