@@ -6,6 +6,7 @@
 use crate::align::{self, Alignment, align};
 use crate::frame::Rig;
 use crate::kernels::Simd;
+use crate::kernels::minimum;
 use crate::kernels::sad::{self, costs_along_row};
 use crate::keypoint::Keypoint;
 use crate::plane::Plane;
@@ -33,9 +34,7 @@ impl Default for StereoConfig {
 }
 
 /// Smaller disparities, about the accuracy of the measurement, say nothing of the depth.
-const MIN_DISPARITY_PX: f32 = 0.1;
-/// Places nearer than this to the best belong to the same minimum, pixels of the octave.
-const SAME_MINIMUM: usize = 3;
+const MIN_DISPARITY_PX: f64 = 0.1;
 /// Baselines of the nearest depth when none is configured.
 const NEAREST_BASELINES: f64 = 5.0;
 
@@ -61,6 +60,15 @@ struct Scratch {
     costs: Vec<u16>,
 }
 
+/// Result of a search on one level.
+#[derive(Clone, Copy)]
+struct Coarse {
+    /// Pixels of the level.
+    disparity: f32,
+    /// Brightness that the right patch lacks, grey levels.
+    offset: i16,
+}
+
 impl StereoMatcher {
     pub(crate) fn new(config: StereoConfig) -> Self {
         Self { config, simd: Simd::detect() }
@@ -74,19 +82,23 @@ impl StereoMatcher {
         let max_disparity = (rig.stereo.bf() / min_depth) as f32;
         let find = |scratch: &mut Scratch, keypoint: &Keypoint| {
             let found = self.find(pair, keypoint, max_disparity, scratch)?;
-            (found.disparity > MIN_DISPARITY_PX && found.disparity < max_disparity).then_some(found)
+            (found.disparity > MIN_DISPARITY_PX && found.disparity < f64::from(max_disparity))
+                .then_some(found)
         };
         let found: Vec<Option<Alignment>> =
             keypoints.par_iter().with_min_len(32).map_init(Scratch::default, find).collect();
-        let mut residuals: Vec<f32> = found.iter().flatten().map(|f| f.residual).collect();
+        let mut residuals: Vec<f64> = found.iter().flatten().map(|f| f.residual).collect();
         if residuals.is_empty() {
             return vec![f32::NAN; keypoints.len()];
         }
         let middle = residuals.len() / 2;
-        let median = *residuals.select_nth_unstable_by(middle, f32::total_cmp).1;
+        let median = *residuals.select_nth_unstable_by(middle, f64::total_cmp).1;
         // Residuals of perfect images are all zero.
-        let limit = (self.config.max_residual_ratio * median).max(1.0);
-        found.iter().map(|f| f.filter(|f| f.residual < limit).map_or(f32::NAN, |f| f.disparity)).collect()
+        let limit = (f64::from(self.config.max_residual_ratio) * median).max(1.0);
+        found
+            .iter()
+            .map(|f| f.filter(|f| f.residual < limit).map_or(f32::NAN, |f| f.disparity as f32))
+            .collect()
     }
 
     /// The disparity of one key-point at level 0.
@@ -109,13 +121,14 @@ impl StereoMatcher {
         if x < margin || y < margin || x + margin >= left.width() || y + margin >= left.height() {
             return None;
         }
-        let mut fine = align(self.simd, left, right, (x, y), coarse * scale, scale)?;
+        let start = Alignment::start(f64::from(coarse.disparity * scale), f64::from(coarse.offset));
+        let mut fine = align(self.simd, (left, x, y), right, start, f64::from(scale))?;
         // From the centre of the patch to the corner itself.
-        fine.disparity += fine.slope * (keypoint.y - y as f32);
+        fine.disparity += fine.slope * (f64::from(keypoint.y) - y as f64);
         Some(fine)
     }
 
-    /// The disparity of a pixel in pixels of its level, by the whole row; to about a tenth of a pixel.
+    /// The disparity of a pixel by the whole row of its level, to about a tenth of a pixel.
     fn search(
         &self,
         left: &Plane,
@@ -123,7 +136,7 @@ impl StereoMatcher {
         (x, y): (usize, usize),
         max_disparity: usize,
         scratch: &mut Scratch,
-    ) -> Option<f32> {
+    ) -> Option<Coarse> {
         let (width, height) = (left.width(), left.height());
         let fits = x >= sad::LEFT && x + sad::LEFT < width && y >= sad::ABOVE && y + sad::ABOVE <= height;
         if !fits {
@@ -134,18 +147,10 @@ impl StereoMatcher {
         let n = x + 2 - first;
         let Scratch { sad, costs } = scratch;
         costs_along_row(self.simd, (left, x, y), (right, first, n), sad, costs);
-        let best = nearest_minimum(costs);
-        if best == 0 || best + 1 == n {
-            return None;
-        }
-        let other = lowest_vertex(&costs[..(best + 1).saturating_sub(SAME_MINIMUM)])
-            .min(lowest_vertex(&costs[(best + SAME_MINIMUM).min(n)..]));
-        if f32::from(costs[best]) >= self.config.uniqueness * other {
-            return None;
-        }
-        let fraction = vertex(costs[best - 1], costs[best], costs[best + 1]);
+        let (best, fraction) = minimum::distinct_minimum(self.simd, costs, self.config.uniqueness)?;
         let right_x = first + best;
         let disparity = x as f32 - right_x as f32 - fraction;
+        let offset = sad.bias(best);
 
         let back_first = right_x.saturating_sub(1).max(sad::LEFT);
         let back_end = (right_x + max_disparity + 1).min(width + 1 - sad::LEFT);
@@ -156,32 +161,7 @@ impl StereoMatcher {
             sad,
             costs,
         );
-        let back = back_first + nearest_minimum(costs);
-        (back.abs_diff(x) <= self.config.max_left_right_px).then_some(disparity)
+        let back = back_first + minimum::last_minimum(self.simd, costs);
+        (back.abs_diff(x) <= self.config.max_left_right_px).then_some(Coarse { disparity, offset })
     }
-}
-
-/// Index of the lowest cost, the last of equals: the smallest disparity.
-fn nearest_minimum(costs: &[u16]) -> usize {
-    let lowest = costs.iter().copied().min().unwrap_or(0);
-    costs.iter().rposition(|&c| c == lowest).unwrap_or(0)
-}
-
-/// The least cost of the minima inside of `costs`, between the places too: in periodic structures the whole places may all lie
-/// beside the minimum.
-fn lowest_vertex(costs: &[u16]) -> f32 {
-    let twice = costs.windows(3).map(|c| {
-        let [before, middle, after] = [c[0], c[1], c[2]].map(i32::from);
-        let is_minimum = middle <= before && middle <= after;
-        if is_minimum { 2 * middle - (before - after).abs() } else { i32::MAX }
-    });
-    twice.min().map_or(f32::MAX, |twice| 0.5 * twice as f32)
-}
-
-/// Position of the minimum between three costs, the middle one lowest, of two lines of equal and opposite slope (the form of
-/// sums of absolute differences); within half a pixel.
-fn vertex(before: u16, middle: u16, after: u16) -> f32 {
-    let (before, middle, after) = (f32::from(before), f32::from(middle), f32::from(after));
-    let rise = before.max(after) - middle;
-    if rise > 0.0 { 0.5 * (before - after) / rise } else { 0.0 }
 }

@@ -6,7 +6,9 @@ pub(crate) mod blur;
 pub(crate) mod brief;
 pub(crate) mod dispatch;
 pub(crate) mod fast;
+pub(crate) mod minimum;
 pub(crate) mod moments;
+pub(crate) mod normal;
 pub(crate) mod resize;
 pub(crate) mod sad;
 

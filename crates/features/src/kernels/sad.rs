@@ -26,6 +26,13 @@ pub(crate) struct Scratch {
     pub(crate) biases: [Vec<u8>; 2],
 }
 
+impl Scratch {
+    /// The difference of the means, rounded, of the patch and that at the given place of the last search.
+    pub(crate) fn bias(&self, place: usize) -> i16 {
+        i16::from(self.biases[0][place]) - i16::from(self.biases[1][place])
+    }
+}
+
 /// Writes to `costs` the cost of the patch at `(x, y)` of `image` against those at `first, first + 1, ...`, `n` of them, in
 /// row `y` of `other`.
 ///
@@ -54,13 +61,18 @@ pub(crate) fn costs_along_row(
     if let Some(token) = simd.avx2() {
         return avx2::sad::costs(token, &patch, &strip, n, scratch, costs);
     }
-    let _ = (simd, scratch);
+    let _ = simd;
     let sum = |rows: &[&[u8]; HEIGHT], at: usize| -> i32 {
         rows.iter().flat_map(|row| &row[at..at + WIDTH]).map(|&v| i32::from(v)).sum()
     };
     let patch_sum = sum(&patch, 0);
+    for bias in &mut scratch.biases {
+        bias.clear();
+    }
     for place in 0..n {
         let bias = (patch_sum - sum(&strip, place) + 64) >> 7;
+        scratch.biases[0].push(bias.max(0) as u8);
+        scratch.biases[1].push((-bias).max(0) as u8);
         let mut cost = 0;
         for (a, b) in patch.iter().zip(&strip) {
             for (a, b) in a[..WIDTH].iter().zip(&b[place..]) {

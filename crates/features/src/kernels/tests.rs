@@ -1,6 +1,6 @@
 //! Every vector kernel against its scalar twin, bit for bit, on random images of odd sizes.
 
-use super::{Simd, blur, brief, fast, moments, resize::Resizer, sad};
+use super::{Simd, blur, brief, fast, moments, normal, resize::Resizer, sad};
 use crate::detect::rows_around;
 use crate::plane::Plane;
 use geometry::GrayImage;
@@ -81,11 +81,26 @@ proptest! {
         let costs = |simd| {
             let mut costs = Vec::new();
             let strip = (&other, 8, width - 15);
-            sad::costs_along_row(simd, (&image, 11, 5), strip, &mut sad::Scratch::default(), &mut costs);
-            costs
+            let mut scratch = sad::Scratch::default();
+            sad::costs_along_row(simd, (&image, 11, 5), strip, &mut scratch, &mut costs);
+            let biases: Vec<i16> = (0..costs.len()).map(|place| scratch.bias(place)).collect();
+            (costs, biases)
         };
-        prop_assert_eq!(costs(Simd::scalar()).len(), width - 15);
+        prop_assert_eq!(costs(Simd::scalar()).0.len(), width - 15);
         prop_assert_eq!(costs(Simd::scalar()), costs(Simd::detect()));
+    }
+
+    #[test]
+    fn normal_equations_are_equal(contrast: u8, fraction in 0i16..128, offset: i16, robust: bool, seed: u64) {
+        let (left, right) = (textured(24, 20, contrast, seed), textured(40, 20, contrast, seed));
+        let patch = normal::Patch::new(Simd::detect(), &left, 11, 9);
+        let rows: [normal::Row<'_>; normal::SIDE] = std::array::from_fn(|j| normal::Row {
+            pixels: &right.row(j + 2)[3 + j / 3..],
+            fraction: (fraction + j as i16) % 128,
+        });
+        prop_assert_eq!(&patch, &normal::Patch::new(Simd::scalar(), &left, 11, 9));
+        let sums = |simd| normal::sums(simd, &patch, &rows, offset, robust);
+        prop_assert_eq!(sums(Simd::scalar()), sums(Simd::detect()));
     }
 
     #[test]
@@ -151,5 +166,22 @@ fn reduction_keeps_a_ramp_in_place() {
     for x in 0..99 {
         let expected = 2.0 * ((x as f64 + 0.5) * 1.2 - 0.5);
         assert!((f64::from(result.at(x, 10)) - expected).abs() <= 0.51, "{x}");
+    }
+}
+
+#[test]
+fn the_largest_sums_do_not_overflow() {
+    // Stripes of black and white, two pixels wide: the steepest derivatives everywhere.
+    let mut stripes = Plane::default();
+    stripes.copy_from(&GrayImage::from_fn(64, 20, |x, _| if x / 2 % 2 == 0 { 0 } else { 255 }));
+    let patch = normal::Patch::new(Simd::detect(), &stripes, 16, 9);
+    for shift in 0..4 {
+        let rows: [normal::Row<'_>; normal::SIDE] =
+            std::array::from_fn(|j| normal::Row { pixels: &stripes.row(j + 2)[9 + shift..], fraction: 64 });
+        for (offset, robust) in [(0, false), (0, true), (i16::MAX, false), (i16::MIN, false), (4000, true)] {
+            let [scalar, vector] = [Simd::scalar(), Simd::detect()];
+            let sums = |simd| normal::sums(simd, &patch, &rows, offset, robust);
+            assert_eq!(sums(scalar), sums(vector));
+        }
     }
 }

@@ -5,6 +5,7 @@ pub(crate) mod blur;
 pub(crate) mod brief;
 pub(crate) mod fast;
 pub(crate) mod moments;
+pub(crate) mod normal;
 pub(crate) mod resize;
 pub(crate) mod sad;
 
