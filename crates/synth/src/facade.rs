@@ -290,7 +290,7 @@ mod tests {
             let side = 256 >> level;
             let texel = |i: i32| ((i << 16) + 0x8000) << level;
             (0..side * side)
-                .map(|i| t.levels[level].gray(texel(i % side), texel(i / side)) as f64 / 256.0)
+                .map(|i| t.levels[level].gray().bilinear(texel(i % side), texel(i / side)) as f64 / 256.0)
                 .collect::<Vec<_>>()
         };
         for level in 0..5 {

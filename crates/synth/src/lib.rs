@@ -14,6 +14,7 @@ mod drive;
 mod facade;
 mod furniture;
 mod houses;
+mod kernel;
 mod layout;
 mod library;
 mod lookup;

@@ -1,6 +1,7 @@
 //! Texture access along a stretch of a row: perspective-correct to second order, level of detail and taps from the footprint.
 
 use crate::camera::Prepared;
+use crate::kernel::{self, LANES, Walk};
 use crate::library::Library;
 use crate::mesh::SurfaceKind;
 use crate::texture::{Level, Texture};
@@ -27,16 +28,6 @@ pub(crate) struct Lookup<'a> {
     taps: usize,
     scale: f32,
     haze: f32,
-}
-
-/// A parabola through a texture, in 16.16 texels: `start + k step + k (k - 1) / 2 bend` for pair k, in u and v.
-#[derive(Clone, Copy, Default)]
-struct Walk {
-    start: [i32; 2],
-    step: [i32; 2],
-    bend: [i32; 2],
-    tap_first: [i32; 2],
-    tap_step: [i32; 2],
 }
 
 /// Texture coordinates at the first pair and their first and second differences from pair to pair.
@@ -74,13 +65,13 @@ impl<'a> Lookup<'a> {
         let detail = polygon.detail.and_then(|(id, ratio)| {
             // One tap is enough for grain.
             let lod = footprint.smooth_lod + log2(ratio[0].max(ratio[1]) as f32);
-            let walk = || Walk::new(&curve, &Footprint { taps: 1, ..footprint }, ratio);
+            let walk = || curve.walk(&Footprint { taps: 1, ..footprint }, ratio);
             (lod < MAX_DETAIL_LEVEL).then(|| (level(library.texture(id), lod + dither), walk()))
         });
         let fog = if polygon.kind == SurfaceKind::Emissive { 0.0 } else { z as f32 / (z as f32 + HAZE_M) };
         Self {
             base: level(library.texture(polygon.texture), footprint.lod + dither),
-            base_at: Walk::new(&curve, &footprint, [1.0; 2]),
+            base_at: curve.walk(&footprint, [1.0; 2]),
             detail,
             taps: footprint.taps,
             scale: polygon.gain * (1.0 - fog) / footprint.taps as f32,
@@ -88,48 +79,30 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// Whether a detail texture is near enough to be read.
-    pub(crate) fn has_detail(&self) -> bool {
-        self.detail.is_some()
-    }
-
-    /// Whether sample `k` of the stretch (from its first pair on) is hit, for textures with opacity.
-    #[inline(always)]
-    pub(crate) fn is_opaque(&self, k: usize) -> bool {
-        let walk = &self.base_at;
-        let [u, v] = walk.at(k / 2);
-        // A quarter of a pair's step before or after its centre.
-        let aside = |i: usize| if k & 1 == 0 { -(walk.step[i] >> 2) } else { walk.step[i] >> 2 };
-        self.base.alpha(u.wrapping_add(aside(0)), v.wrapping_add(aside(1))) >= 128 << 8
-    }
-
-    /// Grey value times 256 of pair `pair`.
-    #[inline(always)]
-    pub(crate) fn tone<const DETAIL: bool>(&self, pair: usize) -> u16 {
-        let mut sum = sum_taps(self.base, &self.base_at, pair, self.taps);
-        if DETAIL {
-            if let Some((level, walk)) = &self.detail {
-                let [u, v] = walk.at(pair);
-                sum += (level.gray(u, v) - (128 << 8)) * self.taps as i32;
+    /// Grey values times 256 of the first `n` pairs.
+    #[inline]
+    pub(crate) fn tones(&self, n: usize) -> [u16; LANES] {
+        let mut sums = kernel::sums(self.base.gray(), &self.base_at, self.taps, n);
+        if let Some((level, walk)) = &self.detail {
+            let grain = kernel::sums(level.gray(), walk, 1, n);
+            for (sum, grain) in sums.iter_mut().zip(&grain) {
+                *sum = sum.wrapping_add((grain - (128 << 8)).wrapping_mul(self.taps as i32));
             }
         }
-        (sum as f32 * self.scale + self.haze) as u16
+        sums.map(|sum| (sum as f32 * self.scale + self.haze) as u16)
     }
-}
 
-#[inline(always)]
-fn sum_taps(level: &Level, walk: &Walk, pair: usize, taps: usize) -> i32 {
-    let [mut u, mut v] = walk.at(pair);
-    if taps == 1 {
-        return level.gray(u, v);
+    /// Whether the two samples of each of the first `n` pairs are hit, for textures with opacity.
+    pub(crate) fn opacity(&self, n: i32) -> [[bool; 2]; LANES] {
+        let walk = Walk { tap_step: [0; 2], ..self.base_at };
+        // A quarter of a pair's step before and after its centre.
+        let aside = walk.step.map(|step| step >> 2);
+        let [before, after] = [-1, 1].map(|sign| {
+            let walk = Walk { tap_first: aside.map(|a| a.wrapping_mul(sign)), ..walk };
+            kernel::sums(self.base.alpha(), &walk, 1, n as usize)
+        });
+        std::array::from_fn(|k| [before[k] >= 128 << 8, after[k] >= 128 << 8])
     }
-    (u, v) = (u.wrapping_add(walk.tap_first[0]), v.wrapping_add(walk.tap_first[1]));
-    let mut sum = 0;
-    for _ in 0..taps {
-        sum += level.gray(u, v);
-        (u, v) = (u.wrapping_add(walk.tap_step[0]), v.wrapping_add(walk.tap_step[1]));
-    }
-    sum
 }
 
 fn level(texture: &Texture, lod: f32) -> &Level {
@@ -142,28 +115,20 @@ fn log2(x: f32) -> f32 {
     (bits as f32) * (1.0 / (1 << 23) as f32) - 127.0
 }
 
-impl Walk {
-    fn new(curve: &Curve, footprint: &Footprint, ratio: [f64; 2]) -> Self {
+impl Curve {
+    /// In fixed point, `ratio` times as fine.
+    fn walk(&self, footprint: &Footprint, ratio: [f64; 2]) -> Walk {
         // Truncated to 32 bits: textures repeat after a power of two texels, so that the lost bits do not matter.
         let fixed = |texels: f64| (texels * 65536.0) as i64 as i32;
         let axis = |i: usize| f64::from(footprint.axis[i]) * ratio[i] / footprint.taps as f64;
         let first = 0.5 * (1.0 - footprint.taps as f64);
-        Self {
-            start: [0, 1].map(|i| fixed(curve.start[i] * ratio[i])),
-            step: [0, 1].map(|i| fixed(curve.step[i] * ratio[i])),
-            bend: [0, 1].map(|i| fixed(curve.bend[i] * ratio[i])),
+        Walk {
+            start: [0, 1].map(|i| fixed(self.start[i] * ratio[i])),
+            step: [0, 1].map(|i| fixed(self.step[i] * ratio[i])),
+            bend: [0, 1].map(|i| fixed(self.bend[i] * ratio[i])),
             tap_first: [0, 1].map(|i| fixed(first * axis(i))),
             tap_step: [0, 1].map(|i| fixed(axis(i))),
         }
-    }
-
-    #[inline(always)]
-    fn at(&self, pair: usize) -> [i32; 2] {
-        let (k, triangle) = (pair as i32, (pair * pair.wrapping_sub(1) / 2) as i32);
-        [0, 1].map(|i| {
-            let bent = self.bend[i].wrapping_mul(triangle);
-            self.start[i].wrapping_add(self.step[i].wrapping_mul(k)).wrapping_add(bent)
-        })
     }
 }
 
@@ -210,10 +175,10 @@ mod tests {
         let step = (last - first) / n - 0.5 * bend * (n - 1.0);
         let curve = Curve { start: [first; 2], step: [step; 2], bend: [bend; 2] };
         let footprint = Footprint { lod: 0.0, smooth_lod: 0.0, taps: 1, axis: [0.0; 2] };
-        let walk = Walk::new(&curve, &footprint, [1.0; 2]);
+        let walk = curve.walk(&footprint, [1.0; 2]);
         for pair in 0..16 {
             let u = f64::from(walk.at(pair)[0]) / 65536.0;
-            let wanted = exact(0.5 + 2.0 * pair as f64);
+            let wanted = exact(0.5 + 2.0 * f64::from(pair));
             // Two hundredths of a pixel, which is 4 texels wide here.
             assert!((u - wanted).abs() < 0.08, "{pair}: {u} {wanted}");
         }

@@ -245,7 +245,11 @@ mod tests {
             let level = &material.bake(7).levels[0];
             let step = |x: i32| {
                 (0..size)
-                    .map(|y| (level.gray(center(x), center(y)) - level.gray(center(x + 1), center(y))).abs())
+                    .map(|y| {
+                        (level.gray().bilinear(center(x), center(y))
+                            - level.gray().bilinear(center(x + 1), center(y)))
+                        .abs()
+                    })
                     .sum::<i32>()
             };
             let inside = (10..20).map(step).sum::<i32>() / 10;
@@ -257,8 +261,9 @@ mod tests {
     fn boughs_are_neither_full_nor_empty() {
         let level = &Material::Leaves.bake(3).levels[0];
         let center = |i: i32| (i << 16) + 0x8000;
-        let opaque =
-            (0..256 * 256).filter(|i| level.alpha(center(i % 256), center(i / 256)) >= 128 << 8).count();
+        let opaque = (0..256 * 256)
+            .filter(|i| level.alpha().bilinear(center(i % 256), center(i / 256)) >= 128 << 8)
+            .count();
         let share = opaque as f64 / 65536.0;
         assert!(share > 0.3 && share < 0.75, "{share}");
     }

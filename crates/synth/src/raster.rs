@@ -2,12 +2,13 @@
 //! the two samples of a pixel in a row, from up to four bilinear look-ups along the long axis of the footprint.
 
 use crate::camera::{Prepared, SAMPLES, WIDTH};
+use crate::kernel::LANES;
 use crate::library::Library;
 use crate::lookup::Lookup;
 use crate::mesh::SurfaceKind;
 
-/// Samples of a block, within which texture coordinates are interpolated; even.
-const BLOCK: i32 = 32;
+/// Samples of a block, within which texture coordinates are interpolated.
+const BLOCK: i32 = (LANES * SAMPLES) as i32;
 /// Samples of a row, and its blocks.
 const STRIDE: usize = WIDTH * SAMPLES;
 const BLOCKS: usize = STRIDE.div_ceil(BLOCK as usize);
@@ -112,21 +113,30 @@ impl Band {
     }
 
     fn draw_stretch(&mut self, stretch: &Stretch<'_>, library: &Library) {
-        let Some(seen) = self.compare(stretch) else { return };
+        let (base, dx) = stretch.inv_z();
+        let ends = [stretch.from, stretch.to - 1].map(|x| (base + dx * f64::from(x)) as f32);
+        let block = self.block(stretch);
+        // A little generous; the exact test follows.
+        if ends[0].max(ends[1]) * 1.000_01 <= self.farthest[block] {
+            return;
+        }
+        let first = stretch.from & !1;
+        let (start, step) = ((base + dx * f64::from(first)) as f32, dx as f32);
+        let inv_z: [f32; BLOCK as usize] = std::array::from_fn(|k| start + step * k as f32);
+        let at = self.index(stretch.row, first);
+        let samples = at..at + (stretch.to - first) as usize;
+        let Some(seen) = compare(&inv_z, &self.inv_z[samples.clone()]) else { return };
         let polygon = stretch.polygon;
         let pairs = (stretch.from >> 1, (stretch.to + 1) >> 1);
         let lookup = Lookup::new(polygon, stretch.row, pairs, library);
-        let cut_out = polygon.kind == SurfaceKind::CutOut;
-        match (cut_out, seen, lookup.has_detail()) {
-            (false, Seen::Whole, false) => self.cover::<false>(stretch, &lookup),
-            (false, Seen::Whole, true) => self.cover::<true>(stretch, &lookup),
-            (false, Seen::Partly, false) => self.fill::<false, false>(stretch, &lookup),
-            (false, Seen::Partly, true) => self.fill::<false, true>(stretch, &lookup),
-            (true, _, false) => self.fill::<true, false>(stretch, &lookup),
-            (true, _, true) => self.fill::<true, true>(stretch, &lookup),
+        let draw =
+            Drawing { samples, inv_z: &inv_z, skip: (stretch.from - first) as usize, number: stretch.number };
+        match (polygon.kind, seen) {
+            (SurfaceKind::CutOut, _) => self.fill(&draw, &lookup, &lookup.opacity(pairs.1 - pairs.0)),
+            (_, Seen::Whole) if draw.skip == 0 => self.cover(draw, &lookup),
+            _ => self.fill(&draw, &lookup, &[[true; 2]; LANES]),
         }
-        let block = self.block(stretch);
-        self.farthest[block] = self.inv_z_of(block).iter().fold(f32::INFINITY, |low, z| low.min(*z));
+        self.farthest[block] = least(self.inv_z_of(block));
     }
 
     /// Number of the block of a row that holds a stretch.
@@ -143,66 +153,64 @@ impl Band {
         (row - self.first) as usize * STRIDE + x as usize
     }
 
-    /// Compares the stretch with what is there: `None` when all of it is hidden.
-    fn compare(&self, stretch: &Stretch<'_>) -> Option<Seen> {
-        let (base, dx) = stretch.inv_z();
-        let ends = [stretch.from, stretch.to - 1].map(|x| (base + dx * f64::from(x)) as f32);
-        // A little generous; the exact test follows.
-        if ends[0].max(ends[1]) * 1.000_01 <= self.farthest[self.block(stretch)] {
-            return None;
-        }
-        let (start, step) = ((base + dx * f64::from(stretch.from & !1)) as f32, dx as f32);
-        let at = self.index(stretch.row, stretch.from & !1);
-        let there = &self.inv_z[at..at + (stretch.to - (stretch.from & !1)) as usize];
-        // Without a branch, so that several samples are compared at once.
-        let (mut any, mut all) = (false, true);
-        for (k, there) in there.iter().enumerate() {
-            let nearer = start + step * k as f32 > *there;
-            any |= nearer;
-            all &= nearer;
-        }
-        let whole = all && stretch.from & 1 == 0;
-        any.then_some(if whole { Seen::Whole } else { Seen::Partly })
-    }
-
     /// Writes an opaque stretch that is nearer than everything there.
-    #[inline(always)]
-    fn cover<const DETAIL: bool>(&mut self, stretch: &Stretch<'_>, lookup: &Lookup<'_>) {
-        let (base, dx) = stretch.inv_z();
-        let (start, step) = ((base + dx * f64::from(stretch.from)) as f32, dx as f32);
-        let at = self.index(stretch.row, stretch.from);
-        let samples = at..at + (stretch.to - stretch.from) as usize;
-        for (k, z) in self.inv_z[samples.clone()].iter_mut().enumerate() {
-            *z = start + step * k as f32;
-        }
-        self.polygon[samples.clone()].fill(stretch.number);
-        for (pair, tones) in self.tone[samples].chunks_mut(2).enumerate() {
-            tones.fill(lookup.tone::<DETAIL>(pair));
+    fn cover(&mut self, draw: Drawing<'_>, lookup: &Lookup<'_>) {
+        let n = draw.samples.len();
+        self.inv_z[draw.samples.clone()].copy_from_slice(&draw.inv_z[..n]);
+        self.polygon[draw.samples.clone()].fill(draw.number);
+        let tones = lookup.tones(n.div_ceil(2));
+        for (two, tone) in self.tone[draw.samples].chunks_mut(2).zip(&tones) {
+            two.fill(*tone);
         }
     }
 
-    /// Tests and writes the samples, pair by pair.
-    #[inline(always)]
-    fn fill<const CUT_OUT: bool, const DETAIL: bool>(&mut self, stretch: &Stretch<'_>, lookup: &Lookup<'_>) {
-        let (base, dx) = stretch.inv_z();
-        let first = stretch.from & !1;
-        let (start, step) = ((base + dx * f64::from(first)) as f32, dx as f32);
-        let at = self.index(stretch.row, first);
-        let n = (stretch.to - first) as usize;
-        let skip = (stretch.from - first) as usize;
-        let inv_z = &mut self.inv_z[at..at + n];
-        let tone = &mut self.tone[at..at + n];
-        let seen = &mut self.polygon[at..at + n];
-        for pair in 0..n.div_ceil(2) {
-            let mut color = None;
-            for k in 2 * pair..(2 * pair + 2).min(n) {
-                let z = start + step * k as f32;
-                if k < skip || z <= inv_z[k] || (CUT_OUT && !lookup.is_opaque(k)) {
-                    continue;
-                }
-                let value = *color.get_or_insert_with(|| lookup.tone::<DETAIL>(pair));
-                (inv_z[k], tone[k], seen[k]) = (z, value, stretch.number);
+    /// Tests and writes the samples one by one; `opaque` says which samples of each pair are hit.
+    fn fill(&mut self, draw: &Drawing<'_>, lookup: &Lookup<'_>, opaque: &[[bool; 2]; LANES]) {
+        let n = draw.samples.len();
+        let tones = lookup.tones(n.div_ceil(2));
+        let inv_z = &mut self.inv_z[draw.samples.clone()];
+        let tone = &mut self.tone[draw.samples.clone()];
+        let seen = &mut self.polygon[draw.samples.clone()];
+        for k in draw.skip..n {
+            if draw.inv_z[k] > inv_z[k] && opaque[k / 2][k % 2] {
+                (inv_z[k], tone[k], seen[k]) = (draw.inv_z[k], tones[k / 2], draw.number);
             }
         }
     }
+}
+
+/// A stretch while it is drawn.
+struct Drawing<'a> {
+    /// Indices into the band's buffers, from an even sample on.
+    samples: std::ops::Range<usize>,
+    /// Inverse depth of each of these samples.
+    inv_z: &'a [f32; BLOCK as usize],
+    /// 1 when the first of them does not belong to the polygon.
+    skip: usize,
+    number: u32,
+}
+
+/// How much of `ours` is nearer than what is there; `None` when nothing is. Without branches, so that many are compared at once.
+fn compare(ours: &[f32], there: &[f32]) -> Option<Seen> {
+    let (mut any, mut all) = (0, 1);
+    for (ours, there) in ours.iter().zip(there) {
+        let nearer = u32::from(ours > there);
+        any |= nearer;
+        all &= nearer;
+    }
+    (any == 1).then_some(if all == 1 { Seen::Whole } else { Seen::Partly })
+}
+
+/// The least of some numbers, in eight strands.
+fn least(values: &[f32]) -> f32 {
+    let less = |a: f32, b: f32| if a < b { a } else { b };
+    let eights = values.chunks_exact(8);
+    let mut strands = [f32::INFINITY; 8];
+    let rest = eights.remainder().iter().fold(f32::INFINITY, |low, v| less(*v, low));
+    for eight in eights {
+        for (strand, value) in strands.iter_mut().zip(eight) {
+            *strand = less(*value, *strand);
+        }
+    }
+    strands.iter().fold(rest, |low, v| less(*v, low))
 }

@@ -12,10 +12,23 @@ pub(crate) struct Level {
     height_mask: i32,
     /// Texels from a row to the next: one more than the width.
     stride: i32,
-    /// Rows and columns followed by the first one again, so that a look-up needs no wrap inside.
+    /// Rows and columns followed by the first one again, so that a look-up needs no wrap inside, and [`PADDING`] bytes.
     gray: Vec<u8>,
     /// Opacity per texel, likewise; empty when the texture is opaque.
     alpha: Vec<u8>,
+}
+
+/// Bytes after the last texel, so that four bytes can be read from any texel's index.
+const PADDING: usize = 2;
+
+/// The grey values or the opacities of a level, made only by [`Level::gray`] and [`Level::alpha`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane<'a> {
+    pub(crate) shift: u32,
+    pub(crate) width_mask: i32,
+    pub(crate) height_mask: i32,
+    pub(crate) stride: i32,
+    texels: &'a [u8],
 }
 
 /// A pyramid of levels, the finest first.
@@ -64,7 +77,7 @@ impl Level {
                 let (x, y) = (i % (width + 1) % width, i / (width + 1) % height);
                 (values[y * width + x] + 0.5).clamp(0.0, 255.0) as u8
             };
-            (0..(width + 1) * (height + 1)).map(texel).collect()
+            (0..(width + 1) * (height + 1)).map(texel).chain([0; PADDING]).collect()
         };
         Self {
             shift,
@@ -76,27 +89,39 @@ impl Level {
         }
     }
 
-    /// Bilinear grey value times 256 at (`u`, `v`) in 16.16 fixed-point texels of the finest level.
-    #[inline(always)]
-    pub(crate) fn gray(&self, u: i32, v: i32) -> i32 {
-        self.bilinear(&self.gray, u, v)
+    /// The grey values.
+    pub(crate) fn gray(&self) -> Plane<'_> {
+        self.plane(&self.gray)
     }
 
-    /// Bilinear opacity times 256; opaque textures have none and must not be asked.
-    #[inline(always)]
-    pub(crate) fn alpha(&self, u: i32, v: i32) -> i32 {
-        self.bilinear(&self.alpha, u, v)
+    /// The opacities; opaque textures have none and must not be asked.
+    pub(crate) fn alpha(&self) -> Plane<'_> {
+        assert!(!self.alpha.is_empty(), "an opaque texture has no opacities");
+        self.plane(&self.alpha)
     }
 
+    fn plane<'a>(&self, texels: &'a [u8]) -> Plane<'a> {
+        let Self { shift, width_mask, height_mask, stride, .. } = *self;
+        Plane { shift, width_mask, height_mask, stride, texels }
+    }
+}
+
+impl Plane<'_> {
+    /// `stride` texels for each of height + 1 rows, and at least two bytes more.
+    pub(crate) fn texels(&self) -> &[u8] {
+        self.texels
+    }
+
+    /// Bilinear value times 256 at (`u`, `v`) in 16.16 fixed-point texels of the finest level.
     #[inline(always)]
-    fn bilinear(&self, data: &[u8], u: i32, v: i32) -> i32 {
+    pub(crate) fn bilinear(&self, u: i32, v: i32) -> i32 {
         // Texel centres lie at half integers.
         let (u, v) = ((u >> self.shift).wrapping_sub(0x8000), (v >> self.shift).wrapping_sub(0x8000));
         let (fu, fv) = ((u >> 8) & 0xff, (v >> 8) & 0xff);
         let (x, y) = ((u >> 16) & self.width_mask, (v >> 16) & self.height_mask);
         let upper = (y * self.stride + x) as usize;
         let lower = upper + self.stride as usize;
-        let ([a, b], [c, d]) = (two(data, upper), two(data, lower));
+        let ([a, b], [c, d]) = (two(self.texels, upper), two(self.texels, lower));
         // Both rows at once: a product is below 2^16.
         let (left, right) = (a | (c << 16), b | (d << 16));
         let rows = left * (256 - fu as u32) + right * fu as u32;
@@ -159,16 +184,20 @@ mod tests {
     fn bilinear_reproduces_texels_and_midpoints() {
         let t = Texture::opaque(4, 2, |x, y| (40 * x + 10 * y) as f32);
         let centre = |i: i32| (i << 16) + 0x8000;
-        assert_eq!(t.levels[0].gray(centre(2), centre(1)), 90 * 256);
-        assert_eq!(t.levels[0].gray(centre(2) + 0x8000, centre(1)), 110 * 256);
-        assert_eq!(t.levels[0].gray(centre(2 + 4), centre(1 - 2)), 90 * 256);
+        assert_eq!(t.levels[0].gray().bilinear(centre(2), centre(1)), 90 * 256);
+        assert_eq!(t.levels[0].gray().bilinear(centre(2) + 0x8000, centre(1)), 110 * 256);
+        assert_eq!(t.levels[0].gray().bilinear(centre(2 + 4), centre(1 - 2)), 90 * 256);
     }
 
     #[test]
     fn levels_keep_the_mean_and_end_at_one_texel() {
         let t = Texture::opaque(64, 16, |x, y| ((x * 37 + y * 91) % 200) as f32);
-        let mean =
-            |l: &Level| (0..l.gray.len()).map(|i| f64::from(l.gray[i])).sum::<f64>() / l.gray.len() as f64;
+        let mean = |l: &Level| {
+            let center = |i: i32| ((i << 16) + 0x8000) << l.shift;
+            let texels = (0..=l.height_mask).flat_map(|y| (0..=l.width_mask).map(move |x| (x, y)));
+            let sum: i32 = texels.map(|(x, y)| l.gray().bilinear(center(x), center(y))).sum();
+            f64::from(sum) / 256.0 / f64::from((l.width_mask + 1) * (l.height_mask + 1))
+        };
         assert_eq!(t.levels.len(), 7);
         assert_eq!((t.levels[6].width_mask, t.levels[6].height_mask), (0, 0));
         assert!((mean(&t.levels[0]) - mean(&t.levels[6])).abs() < 2.0);
