@@ -263,7 +263,35 @@ fn plan_drive(
     let drive = Drive::new(course, length, &stops.iter().map(|(_, stop)| *stop).collect::<Vec<_>>(), seed);
     let halts = stops
         .iter()
-        .map(|(street, stop)| Halt { street: *street, time: drive.time_at(stop.s), seconds: stop.seconds })
+        .map(|(street, stop)| Halt { street: *street, time: drive.arrival(stop), seconds: stop.seconds })
         .collect();
     (drive, halts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::town::{LABEL_MOVING, LABEL_PARKED};
+
+    #[test]
+    fn we_drive_through_no_vehicle() {
+        for (preset, rounds) in [(Preset::Busy, 1), (Preset::Crossing, 1), (Preset::Town, 2)] {
+            let world = World::new(preset, 2, rounds);
+            let vehicles = [LABEL_MOVING, LABEL_PARKED];
+            for i in 0..world.n_frames() {
+                let moment = world.moment(i);
+                for vehicle in moment.instances.iter().filter(|v| vehicles.contains(&v.label)) {
+                    let offset = moment.views[0].center - vehicle.placement.position;
+                    let eye = vehicle.placement.rotation().transpose() * offset;
+                    let mesh = &world.meshes[vehicle.mesh as usize];
+                    let reach = mesh.vertices.iter().fold(V3::zeros(), |reach, v| reach.sup(&v.abs()));
+                    assert!(
+                        eye.x.abs() > reach.x + 0.4 || eye.z.abs() > reach.z + 0.4,
+                        "{preset} frame {i}: {eye:?} within {reach:?}, label {}",
+                        vehicle.label
+                    );
+                }
+            }
+        }
+    }
 }
