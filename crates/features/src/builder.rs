@@ -63,7 +63,7 @@ impl FrameBuilder {
             },
         );
         let disparities = if same_size {
-            let pair = StereoPair { left: extractor.pyramid(), right: right_pyramid, scales: &scales };
+            let pair = StereoPair { left: extractor.pyramid(), right: right_pyramid };
             matcher.disparities(rig, pair, &features.keypoints)
         } else {
             vec![f32::NAN; features.keypoints.len()]

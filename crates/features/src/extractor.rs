@@ -7,7 +7,7 @@ use crate::kernels::fast::{self, RADIUS};
 use crate::kernels::{Simd, blur, moments};
 use crate::keypoint::{ExtractorConfig, Features, Keypoint};
 use crate::plane::{Plane, reflect};
-use crate::pyramid::Pyramid;
+use crate::pyramid::{Placement, Pyramid};
 use crate::quadtree::{Corner, Quadtree};
 use crate::scales::{ScaleLevels, level_quotas};
 use geometry::GrayImage;
@@ -52,10 +52,16 @@ impl Extractor {
     /// Levels run in parallel on the current rayon pool; the result does not depend on the number of threads.
     pub fn extract(&mut self, image: &GrayImage) -> Features {
         self.pyramid.build(self.simd, &self.scales, image);
-        let Self { config, simd, scales, quotas, pyramid, workers } = self;
+        let Self { config, simd, quotas, pyramid, workers, .. } = self;
         let levels = pyramid.levels();
         workers[..levels.len()].par_iter_mut().with_max_len(1).enumerate().for_each(|(octave, worker)| {
-            worker.run(*simd, config, &levels[octave], octave as u8, scales.scales[octave], quotas[octave]);
+            worker.run(
+                *simd,
+                config,
+                &levels[octave],
+                (octave as u8, pyramid.placement(octave)),
+                quotas[octave],
+            );
         });
         let n_features = workers.iter().map(|w| w.features.keypoints.len()).sum();
         let mut features = Features {
@@ -89,8 +95,7 @@ impl Worker {
         simd: Simd,
         config: &ExtractorConfig,
         level: &Plane,
-        octave: u8,
-        scale: f32,
+        (octave, placement): (u8, Placement),
         quota: usize,
     ) {
         let Features { keypoints, descriptors } = &mut self.features;
@@ -108,13 +113,9 @@ impl Worker {
             let (m10, m01) = moments::moments(simd, level.data(), level.stride(), y * level.stride() + x);
             let angle_deg = direction_deg(m10, m01);
             let (dx, dy) = if config.subpixel { refine(simd, level, x, y) } else { (0.0, 0.0) };
-            keypoints.push(Keypoint {
-                x: (x as f32 + dx) * scale,
-                y: (y as f32 + dy) * scale,
-                octave,
-                angle_deg,
-                response: f32::from(corner.score),
-            });
+            let response = f32::from(corner.score);
+            let (full_x, full_y) = placement.to_full(x as f32 + dx, y as f32 + dy);
+            keypoints.push(Keypoint { x: full_x, y: full_y, octave, angle_deg, response });
             descriptors.push(describe_at(simd, &self.blurred, x, y, angle_deg));
         }
     }

@@ -28,9 +28,37 @@ impl Pyramid {
         }
     }
 
+    /// How the pixels of level `l` lie on the full image.
+    pub(crate) fn placement(&self, l: usize) -> Placement {
+        let ratio = |full: usize, side: usize| full as f32 / side as f32;
+        let (full, level) = (&self.levels[0], &self.levels[l]);
+        Placement { x: ratio(full.width(), level.width()), y: ratio(full.height(), level.height()) }
+    }
+
     /// The levels, the finest first.
     #[must_use]
     pub fn levels(&self) -> &[Plane] {
         &self.levels
+    }
+}
+
+/// Pixels of the full image per pixel of a level, in each direction. Sizes are whole numbers, so that this is not quite the
+/// nominal scale: at the coarsest level that would misplace the far edge by more than a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Placement {
+    pub(crate) x: f32,
+    pub(crate) y: f32,
+}
+
+impl Placement {
+    /// The position on the full image of a position on the level: the corners of the images coincide, and whole numbers are
+    /// centres of pixels.
+    pub(crate) fn to_full(self, x: f32, y: f32) -> (f32, f32) {
+        ((x + 0.5) * self.x - 0.5, (y + 0.5) * self.y - 0.5)
+    }
+
+    /// The inverse of [`Placement::to_full`].
+    pub(crate) fn to_level(self, x: f32, y: f32) -> (f32, f32) {
+        ((x + 0.5) / self.x - 0.5, (y + 0.5) / self.y - 0.5)
     }
 }

@@ -11,7 +11,6 @@ use crate::kernels::sad::{self, costs_along_row};
 use crate::keypoint::Keypoint;
 use crate::plane::Plane;
 use crate::pyramid::Pyramid;
-use crate::scales::ScaleLevels;
 use rayon::prelude::*;
 
 /// How disparities are searched and which are believed.
@@ -45,12 +44,11 @@ pub(crate) struct StereoMatcher {
     simd: Simd,
 }
 
-/// A left and a right image with the same size and scales.
+/// A left and a right image with equal sizes of their levels.
 #[derive(Clone, Copy)]
 pub(crate) struct StereoPair<'a> {
     pub(crate) left: &'a Pyramid,
     pub(crate) right: &'a Pyramid,
-    pub(crate) scales: &'a ScaleLevels,
 }
 
 /// Scratch memory of one search.
@@ -110,9 +108,11 @@ impl StereoMatcher {
         scratch: &mut Scratch,
     ) -> Option<Alignment> {
         let octave = usize::from(keypoint.octave);
-        let scale = pair.scales.scales[octave];
+        let placement = pair.left.placement(octave);
+        let scale = placement.x;
         let (left, right) = (&pair.left.levels()[octave], &pair.right.levels()[octave]);
-        let place = ((keypoint.x / scale).round() as usize, (keypoint.y / scale).round() as usize);
+        let place = placement.to_level(keypoint.x, keypoint.y);
+        let place = (place.0.round() as usize, place.1.round() as usize);
         let coarse = self.search(left, right, place, (max_disparity / scale) as usize, scratch)?;
 
         let (left, right) = (&pair.left.levels()[0], &pair.right.levels()[0]);

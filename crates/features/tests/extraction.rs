@@ -14,10 +14,12 @@ fn plain() -> GrayImage {
     render(|x, y| (x, y))
 }
 
-/// Place on its level, without the sub-pixel part.
-fn on_level(keypoint: &features::Keypoint) -> (f64, f64) {
+/// Size of the level of a key-point, and its place there.
+fn on_level(keypoint: &features::Keypoint) -> ([f64; 2], [f64; 2]) {
     let scale = 1.2f64.powi(i32::from(keypoint.octave));
-    (f64::from(keypoint.x) / scale, f64::from(keypoint.y) / scale)
+    let size = [WIDTH as f64, HEIGHT as f64].map(|n| (n / scale).round());
+    let place = |full: f32, side: f64, all: usize| (f64::from(full) + 0.5) * side / all as f64 - 0.5;
+    (size, [place(keypoint.x, size[0], WIDTH), place(keypoint.y, size[1], HEIGHT)])
 }
 
 #[test]
@@ -40,11 +42,13 @@ fn corners_keep_sixteen_pixels_from_the_edge_of_their_level() {
         // The refinement moves a corner by less than a pixel.
         let edge = if subpixel { 15.0 } else { 16.0 };
         for keypoint in &features.keypoints {
-            let (x, y) = on_level(keypoint);
-            let scale = 1.2f64.powi(i32::from(keypoint.octave));
-            let (width, height) = ((WIDTH as f64 / scale).round(), (HEIGHT as f64 / scale).round());
-            assert!(x > edge - 0.001 && x < width - edge, "{keypoint:?}");
-            assert!(y > edge - 0.001 && y < height - edge, "{keypoint:?}");
+            for (side, place) in std::iter::zip(on_level(keypoint).0, on_level(keypoint).1) {
+                assert!(place > edge - 0.01 && place < side - edge, "{keypoint:?}");
+                assert!(
+                    subpixel || (place - place.round()).abs() < 0.01,
+                    "{keypoint:?} lies on a whole pixel"
+                );
+            }
         }
     }
 }
@@ -171,4 +175,31 @@ fn dim_cells_use_the_lower_threshold() {
     };
     let (strict, both) = (count(20), count(7));
     assert!(both > strict + 50, "{strict} at 20 only, {both} at 20 and 7");
+}
+
+#[test]
+fn octaves_agree_on_where_things_are() {
+    // Blobs far apart are found on several levels; all must place them alike, at the far edge too.
+    let image = GrayImage::from_fn(WIDTH, HEIGHT, |x, y| {
+        let from_centre = |v: usize| (v % 80) as f64 - 40.0;
+        let distance_sq = from_centre(x).powi(2) + from_centre(y).powi(2);
+        (40.0 + 180.0 * (-distance_sq / 40.0).exp()) as u8
+    });
+    let features = Extractor::new(ExtractorConfig { keep: 4000, ..config() }).extract(&image);
+    let mut offsets = vec![Vec::new(); 8];
+    for keypoint in &features.keypoints {
+        let from_centre = |v: f32| f64::from(v).rem_euclid(80.0) - 40.0;
+        let (dx, dy) = (from_centre(keypoint.x), from_centre(keypoint.y));
+        if dx.hypot(dy) < 4.0 * 1.2f64.powi(i32::from(keypoint.octave)) {
+            offsets[usize::from(keypoint.octave)].push((dx, dy));
+        }
+    }
+    let mut n_octaves = 0;
+    for (octave, found) in offsets.iter().enumerate().filter(|(_, found)| found.len() >= 10) {
+        n_octaves += 1;
+        let mean = |of: fn(&(f64, f64)) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+        let (x, y) = (mean(|o| o.0), mean(|o| o.1));
+        assert!(x.hypot(y) < 0.35, "octave {octave}: blobs are found ({x}, {y}) px from where they are");
+    }
+    assert!(n_octaves >= 4, "{n_octaves}");
 }

@@ -129,13 +129,13 @@ pub(crate) fn sums(simd: Simd, patch: &Patch, rows: &[Row<'_>; SIDE], offset: i1
     let mut sums = IntegerSums::default();
     for (j, row) in rows.iter().enumerate() {
         let m = (SIDE - j) as i64;
-        for i in 0..LANES {
+        for (i, gauss) in WEIGHTS[j].iter().enumerate() {
             let [a, b] = [0, 1].map(|k| i32::from(row.pixels[i + k]));
             let right = a * ONE + (b - a) * i32::from(row.fraction);
             let e = saturate(saturate(right + i32::from(offset)) - i32::from(patch.values[j][i]));
             let e = e.clamp(-LIMIT, LIMIT);
             let trust = if robust { saturate(32767 - product(4 * e, 4 * e)) } else { 32767 };
-            let weight = product(trust, i32::from(WEIGHTS[j][i]));
+            let weight = product(trust, i32::from(*gauss));
             let g = i32::from(patch.gradients[j][i]);
             let wg = product(weight, g);
             let weight = weight >> 3;
