@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 /// Places that are kept as they come before a segment is made of them.
 const SEAL_AT: usize = 32;
-/// So many segments of a tier are merged into one of the next.
-const MERGE_AT: usize = 8;
+/// Tier of the largest segments: each tier holds twice as many places as the one below, tier 0 the number above.
+const TOP_TIER: u32 = 6;
 
 /// An inverted file over the bag-of-words vectors of keyframes, in immutable segments.
 ///
-/// A clone is a snapshot and costs a few dozen reference counts. Segments grow by merging, eight at a time, so a query
-/// visits few of them however long the run.
+/// A clone is a snapshot and costs a few dozen reference counts. Segments grow by merging, two of a size into one of the
+/// next up to 2048 places, so a query visits few of them: what it costs is the memory that its word lists lie apart.
 #[derive(Clone, Debug, Default)]
 pub struct PlaceIndex {
     slots: Vec<Slot>,
@@ -117,15 +117,15 @@ impl PlaceIndex {
         matches
     }
 
-    /// Merges full tiers, the lowest first. Tiers descend along the slots, so those of one tier are neighbours.
+    /// Merges the newest segment with the one before it as long as they are of one tier. Tiers never rise along the slots.
     fn merge(&mut self) {
-        while let Some(tier) = self.slots.last().map(|slot| slot.tier) {
-            let start = self.slots.partition_point(|slot| slot.tier > tier);
-            if self.slots.len() - start < MERGE_AT {
+        while let [.., before, newest] = self.slots.as_slice() {
+            if before.tier != newest.tier || newest.tier == TOP_TIER {
                 break;
             }
-            let places = self.slots.drain(start..).flat_map(|slot| slot.living().collect::<Vec<_>>()).collect();
-            self.slots.push(Slot::new(tier + 1, places));
+            let merged = Slot::new(newest.tier + 1, before.living().chain(newest.living()).collect());
+            self.slots.truncate(self.slots.len() - 2);
+            self.slots.push(merged);
         }
     }
 }
