@@ -30,15 +30,18 @@ fn random_frame(n: usize, seed: u64) -> Frame {
     Frame::new(0, 0.0, rig(), Arc::new(ScaleLevels::new(8, 1.2)), features, right_u)
 }
 
+/// Distance and index of a candidate.
+type Ranked = (u32, u32);
+
 /// Best and second of the candidates by distance, then index.
-fn two_best(mut candidates: Vec<(u32, u32)>) -> (Option<(u32, u32)>, Option<(u32, u32)>) {
+fn two_best(mut candidates: Vec<Ranked>) -> [Option<Ranked>; 2] {
     candidates.sort_unstable();
-    (candidates.first().copied(), candidates.get(1).copied())
+    [candidates.first().copied(), candidates.get(1).copied()]
 }
 
-fn as_pairs(found: Option<features::WindowMatch>) -> (Option<(u32, u32)>, Option<(u32, u32)>) {
+fn as_pairs(found: Option<features::WindowMatch>) -> [Option<Ranked>; 2] {
     let pair = |c: features::Candidate| (c.distance, c.feature);
-    (found.map(|m| pair(m.best)), found.and_then(|m| m.second).map(pair))
+    [found.map(|m| pair(m.best)), found.and_then(|m| m.second).map(pair)]
 }
 
 proptest! {
@@ -89,8 +92,8 @@ proptest! {
         let free: Vec<bool> = (0..b.len()).map(|i| i % 5 != 0).collect();
         let all: Vec<u32> = (0..a.len() as u32).collect();
         let found = search_epipolar_all(&a, &all, &b, &b_from_a, &range, &free);
-        for i in 0..a.len() {
-            prop_assert_eq!(found[i], search_epipolar(&a, i, &b, &b_from_a, &range, |j| free[j]));
+        for (i, found) in found.iter().enumerate() {
+            prop_assert_eq!(*found, search_epipolar(&a, i, &b, &b_from_a, &range, |j| free[j]));
             // The segment by many depths: a candidate is near one of its points, or not.
             let Some(segment) = dense_segment(&a, i, &b, &b_from_a, &range) else { continue };
             let mut sure = Vec::new();
@@ -107,8 +110,8 @@ proptest! {
                     sure.push(candidate);
                 }
             }
-            let (best, _) = as_pairs(found[i]);
-            let (best_sure, _) = two_best(sure);
+            let [best, _] = as_pairs(*found);
+            let [best_sure, _] = two_best(sure);
             if best_sure.is_some_and(|(distance, _)| distance <= 3) {
                 prop_assert!(best.is_some() && best <= best_sure, "{best:?} instead of {best_sure:?}");
             }

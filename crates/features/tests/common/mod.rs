@@ -61,5 +61,5 @@ pub fn median(mut values: Vec<f64>) -> f64 {
 
 /// Runs with this many threads.
 pub fn with_threads<R: Send>(n: usize, f: impl FnOnce() -> R + Send) -> R {
-    rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap().install(f)
+    rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads").install(f)
 }
