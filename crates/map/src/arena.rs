@@ -51,7 +51,7 @@ impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
     /// Stores an item under the next id.
     pub(crate) fn push(&mut self, item: T) -> I {
         let id = self.next_id();
-        if self.len % CHUNK == 0 {
+        if self.len.is_multiple_of(CHUNK) {
             self.chunks.push(Arc::new(Vec::with_capacity(CHUNK)));
         }
         let last = self.len / CHUNK;

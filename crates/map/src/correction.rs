@@ -149,11 +149,11 @@ impl Map {
         let mut change = CovisibilityChange::default();
         let mut kept = BTreeSet::new();
         for &(keep, drop) in pairs {
-            if let (Some(keep), Some(drop)) = (self.resolve(keep), self.resolve(drop)) {
-                if keep != drop {
-                    self.merge_into(keep, drop, &mut change);
-                    kept.insert(keep);
-                }
+            if let (Some(keep), Some(drop)) = (self.resolve(keep), self.resolve(drop))
+                && keep != drop
+            {
+                self.merge_into(keep, drop, &mut change);
+                kept.insert(keep);
             }
         }
         self.apply_covisibility(change);
@@ -166,11 +166,11 @@ impl Map {
 
     fn add_loop_edges(&mut self, pairs: &[(KeyframeId, KeyframeId)]) {
         for &(a, b) in pairs {
-            if let (Some((a, _)), Some((b, _))) = (self.resolve_keyframe(a), self.resolve_keyframe(b)) {
-                if a != b {
-                    insert_sorted(&mut self.keyframes.live_mut(a).loop_edges, b);
-                    insert_sorted(&mut self.keyframes.live_mut(b).loop_edges, a);
-                }
+            if let (Some((a, _)), Some((b, _))) = (self.resolve_keyframe(a), self.resolve_keyframe(b))
+                && a != b
+            {
+                insert_sorted(&mut self.keyframes.live_mut(a).loop_edges, b);
+                insert_sorted(&mut self.keyframes.live_mut(b).loop_edges, a);
             }
         }
     }

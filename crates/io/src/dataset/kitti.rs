@@ -85,12 +85,11 @@ fn choose_images(
         let right = NumberedImages::list(&dir.join(pair.right_folder))?;
         listed.push(Images { pair, sensor: Sensor::Stereo, left, right });
     }
-    if wanted != Some(Sensor::Mono) {
-        if let Some(stereo) =
+    if wanted != Some(Sensor::Mono)
+        && let Some(stereo) =
             listed.iter().position(|images| !images.left.is_empty() && !images.right.is_empty())
-        {
-            return Ok(listed.swap_remove(stereo));
-        }
+    {
+        return Ok(listed.swap_remove(stereo));
     }
     let Some(mono) = listed.iter().position(|images| !images.left.is_empty()) else {
         let expected = "images such as 000000.png in image_0 or image_2".to_string();
