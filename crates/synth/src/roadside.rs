@@ -59,7 +59,7 @@ impl Town<'_, '_> {
             if to_street > SIDE_HALF_M + 1.5 {
                 let kind = if regular { slot % 4 } else { self.rng.random_range(0..10) };
                 self.kerb_thing(side, s, kind, to_street > 8.0, stock);
-                if slot % 3 == 0 {
+                if slot.is_multiple_of(3) {
                     let mut placement = course.at(s + 2.5).beside(side * (ROAD_HALF_M + 0.45));
                     placement.yaw += side * FRAC_PI_2;
                     self.scene.place(stock.lamp, placement, 1.0);
