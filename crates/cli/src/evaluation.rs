@@ -1,7 +1,7 @@
 //! Errors of a run against ground truth, by the metrics of `eval`.
 
 use anyhow::Result;
-use eval::{Alignment, Association, AteReport, Drift, KITTI_LENGTHS_M, TIMESTAMP_TOLERANCE_S};
+use eval::{Alignment, Association, AteReport, Coverage, Drift, KITTI_LENGTHS_M, TIMESTAMP_TOLERANCE_S};
 use geometry::{SE3, Vec3};
 use io::{Sensor, StampedPose, Trajectory};
 use runtime::FrameRecord;
@@ -13,8 +13,10 @@ use crate::trajectories::{own_pose, tracked_poses};
 pub(crate) struct Evaluation {
     /// Absolute trajectory error of all frames with a pose.
     pub(crate) ate: AteReport,
-    /// Relative errors over segments of 100 to 800 m.
+    /// Relative errors over segments of 100 to 800 m, frames without a pose filled with the last relative motion.
     pub(crate) drift: Drift,
+    /// How many frames were filled for the relative errors.
+    pub(crate) coverage: Coverage,
     /// Length of the true path over the frames of the run, metres.
     pub(crate) path_m: f64,
     /// Distance from the true to the estimated last position when the first poses are laid on each other, metres.
@@ -44,24 +46,24 @@ pub(crate) fn evaluate(records: &[FrameRecord], truth: &Trajectory, sensor: Sens
     let by_time = Association::Timestamp { tolerance_s: TIMESTAMP_TOLERANCE_S };
     let pairs = eval::associate(&tracked_poses(records), truth, by_time)?;
     let ate = eval::ate(&pairs.est, &pairs.gt, alignment_of(sensor))?;
-    let (est, gt) = per_frame(records, truth)?;
-    let aligned: Vec<Option<SE3>> =
-        est.iter().map(|pose| pose.and_then(|pose| ate.aligned(&[pose]).first().copied())).collect();
-    let drift = eval::kitti_drift_sparse(&aligned, &gt, &KITTI_LENGTHS_M)?;
+    let (filled, coverage) = eval::fill_lost(&records.iter().map(own_pose).collect::<Vec<_>>())?;
+    let (est, gt) = per_frame(records, &filled, truth)?;
+    let drift = eval::kitti_drift(&ate.aligned(&est), &gt, &KITTI_LENGTHS_M)?;
     let path_m = gt.windows(2).map(|pair| (pair[1].translation - pair[0].translation).norm()).sum();
     let end_error_m = end_error(&ate.aligned(&pairs.est), &pairs.gt);
-    Ok(Evaluation { ate, drift, path_m, end_error_m })
+    Ok(Evaluation { ate, drift, coverage, path_m, end_error_m })
 }
 
-/// The run's frames that have a true pose: the estimate, where there is one, and the truth.
-fn per_frame(records: &[FrameRecord], truth: &Trajectory) -> Result<(Vec<Option<SE3>>, Vec<SE3>)> {
-    let stamped =
-        |r: &FrameRecord| StampedPose { timestamp_s: r.timestamp_s, world_from_cam: SE3::identity() };
-    let times = Trajectory { poses: records.iter().map(stamped).collect() };
-    let pairs =
-        eval::associate(&times, truth, Association::Timestamp { tolerance_s: TIMESTAMP_TOLERANCE_S })?;
-    let est = pairs.est_indices.iter().map(|&i| own_pose(&records[i])).collect();
-    Ok((est, pairs.gt))
+/// The run's frames that have a true pose: the estimate out of `filled`, a pose per record, and the truth.
+fn per_frame(records: &[FrameRecord], filled: &[SE3], truth: &Trajectory) -> Result<(Vec<SE3>, Vec<SE3>)> {
+    let stamped = |(record, pose): (&FrameRecord, &SE3)| StampedPose {
+        timestamp_s: record.timestamp_s,
+        world_from_cam: *pose,
+    };
+    let est = Trajectory { poses: records.iter().zip(filled).map(stamped).collect() };
+    let by_time = Association::Timestamp { tolerance_s: TIMESTAMP_TOLERANCE_S };
+    let pairs = eval::associate(&est, truth, by_time)?;
+    Ok((pairs.est, pairs.gt))
 }
 
 /// Distance between the last positions, each seen from its own first pose.
@@ -100,12 +102,49 @@ mod tests {
     #[test]
     fn a_perfect_run_in_another_frame_has_no_error() {
         let mut records = perfect(150);
-        records[40] = record(40, None);
+        // No segment starts or ends there.
+        records[41] = record(41, None);
         let evaluation = evaluate(&records, &truth(150), Sensor::Stereo).unwrap();
         assert_eq!(evaluation.ate.n, 149);
         assert!(evaluation.ate.rmse < 1e-9 && evaluation.end_error_m < 1e-9);
         assert!(evaluation.drift.t_rel_percent.is_some_and(|t| t < 1e-9), "100 m fit into the path");
         assert!(evaluation.path_m > 149.0);
+    }
+
+    /// Drives of 1 m per frame along an arc that, from frame 120 to 180, turns by `turn` radians per frame.
+    fn arc(n: u32, turn: f64) -> (Vec<FrameRecord>, Trajectory) {
+        let mut pose = SE3::identity();
+        let mut records: Vec<FrameRecord> = (0..n).map(|i| record(i, Some(0.0))).collect();
+        for record in &mut records {
+            record.world_from_cam = Some(pose);
+            let turn = if (120..180).contains(&record.index) { turn } else { 0.005 };
+            pose = pose * SE3::new(SO3::exp(&Vec3::new(0.0, turn, 0.0)), Vec3::new(0.0, 0.0, 1.0));
+        }
+        let poses = records.iter().filter_map(|r| {
+            Some(StampedPose { timestamp_s: r.timestamp_s, world_from_cam: r.world_from_cam? })
+        });
+        let truth = Trajectory { poses: poses.collect() };
+        (records, truth)
+    }
+
+    #[test]
+    fn lost_frames_go_on_with_the_last_motion_and_count_in_t_rel() {
+        let evaluated = |turn: f64, lost: std::ops::Range<u32>| {
+            let (mut records, truth) = arc(300, turn);
+            lost.for_each(|i| records[i as usize] = record(i, None));
+            evaluate(&records, &truth, Sensor::Stereo).unwrap()
+        };
+        let complete = evaluated(0.005, 0..0);
+        assert_eq!((complete.coverage.n_lost, complete.drift.n_segments), (0, 20 + 10));
+        // The motion goes on as it was: the fill is exact, and no segment is left out.
+        let steady = evaluated(0.005, 130..170);
+        assert_eq!((steady.coverage.n_lost, steady.coverage.longest_gap, steady.ate.n), (40, 40, 260));
+        assert_eq!(steady.drift.n_segments, complete.drift.n_segments);
+        assert!(steady.drift.t_rel_percent.is_some_and(|t| t < 1e-6));
+        // The car turns while it is lost: every pose that there is is right, yet the gap costs.
+        let turning = evaluated(-0.01, 110..170);
+        assert!(turning.ate.rmse < 1e-9, "{}", turning.ate.rmse);
+        assert!(turning.drift.t_rel_percent.is_some_and(|t| t > 1.0), "{:?}", turning.drift.t_rel_percent);
     }
 
     #[test]

@@ -58,7 +58,13 @@ fn errors(text: &mut String, s: &Summary) {
         row(text, "drift", &format!("{end:.3} % of the path at its end"));
     }
     match (s.t_rel_percent, s.r_rel_deg_per_100m) {
-        (Some(t), Some(r)) => row(text, "t_rel r_rel", &format!("{t:.3} %  {r:.3} deg/100 m")),
+        (Some(t), Some(r)) => {
+            let filled = match s.t_rel_filled_frames {
+                None | Some(0) => String::new(),
+                Some(n) => format!(" ({n} frames without a pose filled with the last motion)"),
+            };
+            row(text, "t_rel r_rel", &format!("{t:.3} %  {r:.3} deg/100 m{filled}"));
+        }
         _ => row(text, "t_rel r_rel", "not defined: no segment of 100 m"),
     }
 }

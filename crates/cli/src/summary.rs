@@ -45,10 +45,12 @@ pub(crate) struct Summary {
     pub(crate) ate_rmse_m: Option<f64>,
     /// Frames compared for it.
     pub(crate) ate_frames: Option<usize>,
-    /// KITTI's translation error, percent.
+    /// KITTI's translation error, percent; frames without a pose go on with the last relative motion.
     pub(crate) t_rel_percent: Option<f64>,
     /// KITTI's rotation error, degrees per 100 m.
     pub(crate) r_rel_deg_per_100m: Option<f64>,
+    /// Frames that were filled so.
+    pub(crate) t_rel_filled_frames: Option<usize>,
     /// Length of the true path, metres.
     pub(crate) path_m: Option<f64>,
     /// Error of the last position seen from the first pose, in percent of the path.
@@ -145,6 +147,7 @@ impl Summary {
             ate_frames: errors.map(|e| e.ate.n),
             t_rel_percent: errors.and_then(|e| e.drift.t_rel_percent),
             r_rel_deg_per_100m: errors.and_then(|e| e.drift.r_rel_deg_per_100m),
+            t_rel_filled_frames: errors.map(|e| e.coverage.n_lost),
             path_m: errors.map(|e| e.path_m),
             end_error_percent: errors.and_then(Evaluation::end_error_percent),
             evaluation_problem: evaluation

@@ -169,6 +169,26 @@ fn broken_tum_files() {
 }
 
 #[test]
+fn of_rows_with_one_time_the_first_is_kept() {
+    let folder = Folder::new();
+    let row = |time: f64, x: f64| format!("{time:.4} {x} 0 0 0 0 0 1\n");
+    let text = row(1.0, 1.0) + &row(1.5, 2.0) + &row(1.5, 3.0) + &row(1.5, 4.0) + &row(2.0, 5.0);
+    let trajectory = read_tum(&folder.write("t.txt", &text)).unwrap();
+    let found: Vec<_> =
+        trajectory.poses.iter().map(|pose| (pose.timestamp_s, pose.world_from_cam.translation.x)).collect();
+    assert_eq!(found, [(1.0, 1.0), (1.5, 2.0), (2.0, 5.0)]);
+    // What is left out is checked all the same, and a time that goes back stays an error.
+    assert_eq!(
+        refused(read_tum, &(row(1.0, 1.0) + "1.0 0 0 0 0 0 0 9\n")),
+        "DIR/file:2: found a quaternion of length 9.000000, expected a unit quaternion"
+    );
+    assert_eq!(
+        refused(read_tum, &(row(1.0, 1.0) + &row(1.0, 2.0) + &row(0.5, 3.0))),
+        "DIR/file:3: found time 0.5 after 1 of the entry before, expected strictly increasing times"
+    );
+}
+
+#[test]
 fn broken_euroc_files() {
     let expected = "at least 8 numbers with commas (ns, px, py, pz, qw, qx, qy, qz)";
     assert_eq!(refused(read_euroc, "#x\n"), format!("DIR/file: found no data, expected {expected}"));
