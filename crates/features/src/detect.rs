@@ -14,6 +14,7 @@ const CELL: usize = 30;
 #[derive(Debug, Default)]
 pub(crate) struct Detector {
     scores: [Vec<u8>; 3],
+    places: Vec<u16>,
     column_of: Vec<u16>,
     has_strong: Vec<bool>,
 }
@@ -118,9 +119,9 @@ impl Detector {
             );
             if y > y0 {
                 let [above, middle, below] = [above, middle, newest].map(|i| self.scores[i].as_slice());
-                fast::local_maxima(simd, [above, middle, below], x0, x1, |x, score| {
-                    corners.push(Corner { x: x as u16, y: (y - 1) as u16, score });
-                });
+                fast::local_maxima(simd, [above, middle, below], x0, x1, &mut self.places);
+                let corner = |&x: &u16| Corner { x, y: (y - 1) as u16, score: middle[usize::from(x)] };
+                corners.extend(self.places.iter().map(corner));
             }
         }
     }

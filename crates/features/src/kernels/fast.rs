@@ -70,19 +70,20 @@ fn best_arc(differences: &[u8; 16]) -> u8 {
     best
 }
 
-/// Calls `found(x, score)`, from left to right, for the pixels `first..end` of the middle row whose score is above zero
-/// and above that of all eight neighbours.
+/// Replaces `places` by those of the pixels `first..end` of the middle row, from left to right, whose score is above zero and
+/// above that of all eight neighbours.
 pub(crate) fn local_maxima(
     simd: Simd,
     [above, middle, below]: [&[u8]; 3],
     first: usize,
     end: usize,
-    mut found: impl FnMut(usize, u8),
+    places: &mut Vec<u16>,
 ) {
     #[cfg(target_arch = "x86_64")]
     if let Some(token) = simd.avx2() {
-        return avx2::fast::local_maxima(token, [above, middle, below], first, end, found);
+        return avx2::fast::local_maxima(token, [above, middle, below], first, end, places);
     }
+    places.clear();
     let _ = simd;
     for x in first..end {
         let score = middle[x];
@@ -100,7 +101,7 @@ pub(crate) fn local_maxima(
             below[x + 1],
         ];
         if around.iter().all(|&other| score > other) {
-            found(x, score);
+            places.push(x as u16);
         }
     }
 }

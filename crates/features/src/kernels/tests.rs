@@ -57,7 +57,7 @@ proptest! {
             let rows = [3, 4, 5].map(score);
             let mut maxima = Vec::new();
             let [a, b, c] = rows.each_ref().map(Vec::as_slice);
-            fast::local_maxima(simd, [a, b, c], 3, width - 3, |x, score| maxima.push((x, score)));
+            fast::local_maxima(simd, [a, b, c], 3, width - 3, &mut maxima);
             (rows, maxima)
         };
         prop_assert_eq!(find(Simd::scalar()), find(Simd::detect()));

@@ -21,20 +21,33 @@ pub(crate) fn score_row(
     scores[end..end + 32].fill(0);
 }
 
+/// First marks the blocks that can have corners, without branches, then scores those: about half of them, in no order that
+/// the processor could foresee.
 #[target_feature(enable = "avx2")]
 unsafe fn score_blocks(rows: [*const u8; 7], first: usize, end: usize, threshold: u8, out: *mut u8) {
     let limit = _mm256_set1_epi8(threshold as i8);
-    for x in (first..end).step_by(32) {
-        // SAFETY: see `score_row`.
-        let scores = unsafe {
-            let centre = load(rows[RADIUS].add(x));
-            match find_candidates(&rows, x, centre, limit) {
-                (false, false) => _mm256_setzero_si256(),
-                (bright, dark) => score_block(&rows, x, centre, limit, bright, dark),
+    for start in (first..end).step_by(32 * 64) {
+        let (mut bright, mut dark) = (0u64, 0u64);
+        for (i, x) in (start..end.min(start + 32 * 64)).step_by(32).enumerate() {
+            // SAFETY: see `score_row`.
+            let (is_bright, is_dark) = unsafe {
+                store(out.add(x), _mm256_setzero_si256());
+                find_candidates(&rows, x, limit)
+            };
+            bright |= u64::from(is_bright) << i;
+            dark |= u64::from(is_dark) << i;
+        }
+        let mut marked = bright | dark;
+        while marked != 0 {
+            let i = marked.trailing_zeros();
+            let x = start + 32 * i as usize;
+            // SAFETY: see `score_row`.
+            unsafe {
+                let scores = score_block(&rows, x, limit, bright >> i & 1 == 1, dark >> i & 1 == 1);
+                store(out.add(x), scores);
             }
-        };
-        // SAFETY: see `score_row`.
-        unsafe { store(out.add(x), scores) };
+            marked &= marked - 1;
+        }
     }
 }
 
@@ -45,7 +58,9 @@ unsafe fn score_blocks(rows: [*const u8; 7], first: usize, end: usize, threshold
 /// The ring of all 32 pixels must be readable.
 #[inline]
 #[target_feature(enable = "avx2")]
-unsafe fn find_candidates(rows: &[*const u8; 7], x: usize, centre: __m256i, limit: __m256i) -> (bool, bool) {
+unsafe fn find_candidates(rows: &[*const u8; 7], x: usize, limit: __m256i) -> (bool, bool) {
+    // SAFETY: the caller's.
+    let centre = unsafe { load(rows[RADIUS].add(x)) };
     let (high, low) = (_mm256_adds_epu8(centre, limit), _mm256_subs_epu8(centre, limit));
     let mut bright = _mm256_set1_epi8(-1);
     let mut dark = bright;
@@ -53,16 +68,11 @@ unsafe fn find_candidates(rows: &[*const u8; 7], x: usize, centre: __m256i, limi
         // SAFETY: the caller's.
         let ring = |i: usize| unsafe { load(ring_place(rows, x, start + i)) };
         let (a, b, c, d) = (ring(0), ring(8), ring(4), ring(12));
-        let above = |p: __m256i| _mm256_subs_epu8(p, high);
-        let below = |p: __m256i| _mm256_subs_epu8(low, p);
-        bright = _mm256_min_epu8(bright, _mm256_max_epu8(above(a), above(b)));
-        bright = _mm256_min_epu8(bright, _mm256_max_epu8(above(c), above(d)));
-        dark = _mm256_min_epu8(dark, _mm256_max_epu8(below(a), below(b)));
-        dark = _mm256_min_epu8(dark, _mm256_max_epu8(below(c), below(d)));
-        let any = _mm256_or_si256(bright, dark);
-        if _mm256_testz_si256(any, any) == 1 {
-            return (false, false);
-        }
+        // At least one of a pair is above: the larger one is.
+        let above = |p: __m256i, q: __m256i| _mm256_subs_epu8(_mm256_max_epu8(p, q), high);
+        let below = |p: __m256i, q: __m256i| _mm256_subs_epu8(low, _mm256_min_epu8(p, q));
+        bright = _mm256_min_epu8(bright, _mm256_min_epu8(above(a, b), above(c, d)));
+        dark = _mm256_min_epu8(dark, _mm256_min_epu8(below(a, b), below(c, d)));
     }
     (_mm256_testz_si256(bright, bright) == 0, _mm256_testz_si256(dark, dark) == 0)
 }
@@ -73,14 +83,9 @@ unsafe fn find_candidates(rows: &[*const u8; 7], x: usize, centre: __m256i, limi
 /// The ring of all 32 pixels must be readable.
 #[inline]
 #[target_feature(enable = "avx2")]
-unsafe fn score_block(
-    rows: &[*const u8; 7],
-    x: usize,
-    centre: __m256i,
-    limit: __m256i,
-    bright: bool,
-    dark: bool,
-) -> __m256i {
+unsafe fn score_block(rows: &[*const u8; 7], x: usize, limit: __m256i, bright: bool, dark: bool) -> __m256i {
+    // SAFETY: the caller's.
+    let centre = unsafe { load(rows[RADIUS].add(x)) };
     let mut ring = [centre; 16];
     // Plain loops: a closure handed to a library function would lose the vector instructions.
     for (i, value) in ring.iter_mut().enumerate() {
@@ -135,45 +140,47 @@ fn ring_place(rows: &[*const u8; 7], x: usize, i: usize) -> *const u8 {
 }
 
 /// See `kernels::fast::local_maxima`.
-pub(crate) fn local_maxima(
-    _: Avx2,
-    rows: [&[u8]; 3],
-    first: usize,
-    end: usize,
-    found: impl FnMut(usize, u8),
-) {
+pub(crate) fn local_maxima(_: Avx2, rows: [&[u8]; 3], first: usize, end: usize, places: &mut Vec<u16>) {
     assert!(first >= 1 && rows.iter().all(|r| r.len() >= end + 32));
     // SAFETY: blocks start before `end`, so that the places from `first - 1` to `end + 31` cover what is read.
-    unsafe { find_maxima(rows, first, end, found) };
+    unsafe { find_maxima(rows, first, end, places) };
 }
 
 #[target_feature(enable = "avx2")]
-unsafe fn find_maxima(rows: [&[u8]; 3], first: usize, end: usize, mut found: impl FnMut(usize, u8)) {
-    let [above, middle, below] = rows.map(<[u8]>::as_ptr);
+unsafe fn find_maxima(rows: [&[u8]; 3], first: usize, end: usize, places: &mut Vec<u16>) {
+    let [above, middle, below] = [rows[0].as_ptr(), rows[1].as_ptr(), rows[2].as_ptr()];
+    // Of two neighbours at most one is a maximum; two more are written in vain.
+    places.resize(end.saturating_sub(first) + 4, 0);
+    let mut n = 0;
     for x in (first..end).step_by(32) {
         // SAFETY: see `local_maxima`.
         let mut maxima = unsafe {
             let scores = load(middle.add(x));
-            if _mm256_testz_si256(scores, scores) == 1 {
-                continue;
-            }
             let three = |row: *const u8| {
                 let ends = _mm256_max_epu8(load(row.add(x - 1)), load(row.add(x + 1)));
                 (ends, _mm256_max_epu8(ends, load(row.add(x))))
             };
             let around = _mm256_max_epu8(_mm256_max_epu8(three(above).1, three(below).1), three(middle).0);
-            let excess = _mm256_subs_epu8(scores, around);
-            !_mm256_movemask_epi8(_mm256_cmpeq_epi8(excess, _mm256_setzero_si256())) as u32
+            // Where the larger one is the neighbour, or both are zero, there is no maximum.
+            let larger = _mm256_max_epu8(scores, around);
+            !_mm256_movemask_epi8(_mm256_cmpeq_epi8(larger, around)) as u32
         };
         if end - x < 32 {
             maxima &= (1 << (end - x)) - 1;
         }
+        // Few blocks have more than two.
+        for _ in 0..2 {
+            places[n] = (x as u32 + maxima.trailing_zeros()) as u16;
+            n += usize::from(maxima != 0);
+            maxima &= maxima.wrapping_sub(1);
+        }
         while maxima != 0 {
-            let place = x + maxima.trailing_zeros() as usize;
-            found(place, rows[1][place]);
+            places[n] = (x as u32 + maxima.trailing_zeros()) as u16;
+            n += 1;
             maxima &= maxima - 1;
         }
     }
+    places.truncate(n);
 }
 
 /// See `kernels::fast::score_square`.
