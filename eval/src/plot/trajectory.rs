@@ -19,7 +19,7 @@ const EXAGGERATIONS: [f64; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 pub enum View {
     /// Onto the plane of motion: x-z of KITTI's camera frame, else the two axes of largest extent.
     Top,
-    /// Along the second axis of the top view: height over the first one, exaggerated by a stated factor.
+    /// Height over the longer axis of the top view, exaggerated by a stated factor.
     Side,
 }
 
@@ -29,6 +29,30 @@ struct Projection {
     right: usize,
     up: usize,
     height: usize,
+    /// The one of `right` and `up` with the larger extent.
+    along: usize,
+}
+
+impl Projection {
+    /// Chosen by the extents in x, y and z, metres. A long path, or one that leads mostly along z, is that of a forward-looking
+    /// camera whose y axis points down.
+    fn of(extents: [f64; 3]) -> Projection {
+        let [x, y, z] = extents;
+        let is_long = x.max(y).max(z) > OUTDOORS_M && y < 0.5 * z.max(x);
+        let is_straight_ahead = z > 2.0 * x.max(y);
+        let height = if is_long || is_straight_ahead {
+            1
+        } else {
+            (0..3).min_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(2)
+        };
+        let (right, up) = match height {
+            0 => (1, 2),
+            1 => (0, 2),
+            _ => (0, 1),
+        };
+        let along = if extents[up] > extents[right] { up } else { right };
+        Projection { right, up, height, along }
+    }
 }
 
 /// Drawing of an estimate over its ground truth.
@@ -75,13 +99,7 @@ impl TrajectoryFigure {
             let (low, high) = range(reference.iter().map(|p| p[axis]), Margin::Tight);
             high - low
         };
-        let extents = [extent(0), extent(1), extent(2)];
-        if extents.iter().any(|&e| e > OUTDOORS_M) && extents[1] < 0.5 * extents[2].max(extents[0]) {
-            return Projection { right: 0, up: 2, height: 1 };
-        }
-        let height = (0..3).min_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(2);
-        let plane: Vec<usize> = (0..3).filter(|&axis| axis != height).collect();
-        Projection { right: plane[0], up: plane[1], height }
+        Projection::of([extent(0), extent(1), extent(2)])
     }
 
     fn runs(&self, to_plane: impl Fn(&Vec3) -> (f64, f64)) -> Vec<Vec<(f64, f64)>> {
@@ -135,7 +153,7 @@ impl Figure for TrajectoryFigure {
                 // A camera's y axis points down: height is -y.
                 let sign = if p.height == 1 { -1.0 } else { 1.0 };
                 let factor = self.exaggeration(&p, frame);
-                let to_plane = |v: &Vec3| (v[p.right], sign * factor * v[p.height]);
+                let to_plane = |v: &Vec3| (v[p.along], sign * factor * v[p.height]);
                 let flat = self.axes(frame, &to_plane);
                 let axes = Axes { y: (flat.y.0 / factor, flat.y.1 / factor), ..flat };
                 let minus = if sign < 0.0 { "-" } else { "" };
@@ -143,8 +161,8 @@ impl Figure for TrajectoryFigure {
                     1.0 => format!("{minus}{} [m]", name(p.height)),
                     _ => format!("{minus}{} [m], drawn {factor}x", name(p.height)),
                 };
-                axes.draw(canvas, &format!("{} [m]", name(p.right)), &label)?;
-                self.draw_paths(canvas, &axes, &|v: &Vec3| (v[p.right], sign * v[p.height]))
+                axes.draw(canvas, &format!("{} [m]", name(p.along)), &label)?;
+                self.draw_paths(canvas, &axes, &|v: &Vec3| (v[p.along], sign * v[p.height]))
             }
         }
     }
@@ -159,7 +177,7 @@ impl TrajectoryFigure {
 
     /// Largest exaggeration of height that still lets the whole width decide the scale.
     fn exaggeration(&self, p: &Projection, frame: Frame) -> f64 {
-        let x = range(self.all().map(|v| v[p.right]), Margin::Both);
+        let x = range(self.all().map(|v| v[p.along]), Margin::Both);
         let y = range(self.all().map(|v| v[p.height]), Margin::Both);
         let free = (x.1 - x.0) / frame.width * frame.height / (y.1 - y.0);
         EXAGGERATIONS.iter().copied().rfind(|&e| e <= free).unwrap_or(1.0)
@@ -188,5 +206,33 @@ impl TrajectoryFigure {
             canvas.dot(axes.at(x, y), 4.0, RGBColor(255, 255, 255))?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axes(extents: [f64; 3]) -> [usize; 4] {
+        let p = Projection::of(extents);
+        [p.right, p.up, p.height, p.along]
+    }
+
+    #[test]
+    fn a_drive_is_seen_from_above_however_short_and_straight() {
+        assert_eq!(axes([560.0, 26.0, 500.0]), [0, 2, 1, 0]);
+        assert_eq!(axes([30.0, 6.0, 400.0]), [0, 2, 1, 2]);
+        assert_eq!(
+            axes([1.0, 1.2, 60.0]),
+            [0, 2, 1, 2],
+            "51 frames of KITTI 06: less to the right than down"
+        );
+    }
+
+    #[test]
+    fn in_a_room_the_smallest_extent_is_the_height() {
+        assert_eq!(axes([4.0, 5.0, 1.0]), [0, 1, 2, 1]);
+        assert_eq!(axes([5.0, 0.5, 4.0]), [0, 2, 1, 0]);
+        assert_eq!(axes([0.5, 3.0, 2.0]), [1, 2, 0, 1]);
     }
 }
