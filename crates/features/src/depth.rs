@@ -53,3 +53,47 @@ impl DepthConfig {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keypoint(x: f32, y: f32) -> Keypoint {
+        Keypoint { x, y, octave: 0, angle_deg: 0.0, response: 1.0 }
+    }
+
+    /// Two metres on the left, `right_m` from column 20 on.
+    fn step(right_m: f64) -> DepthImage {
+        let mut depth = DepthImage::new(40, 30, 10_000);
+        for y in 0..30 {
+            depth.row_mut(y)[20..].fill((right_m * 5000.0) as u16);
+        }
+        depth
+    }
+
+    #[test]
+    fn depths_are_metres_at_the_nearest_pixel() {
+        let config = DepthConfig::default();
+        assert_eq!(config.depth_at(&step(3.0), &keypoint(5.4, 7.6)), Some(2.0));
+        assert_eq!(config.depth_at(&step(3.0), &keypoint(30.0, 7.0)), Some(3.0));
+    }
+
+    #[test]
+    fn edges_are_not_believed_and_slopes_are() {
+        let config = DepthConfig::default();
+        let reach = EDGE_REACH_PX as f32;
+        assert_eq!(config.depth_at(&step(3.0), &keypoint(19.0 - reach, 7.0)), Some(2.0));
+        assert_eq!(config.depth_at(&step(3.0), &keypoint(20.0 - reach, 7.0)), None);
+        assert_eq!(config.depth_at(&step(2.09), &keypoint(19.0, 7.0)), Some(2.0));
+    }
+
+    #[test]
+    fn holes_and_the_outside_have_no_depth() {
+        let config = DepthConfig::default();
+        assert_eq!(config.depth_at(&step(0.0), &keypoint(30.0, 7.0)), None);
+        // A hole beside it says nothing about an edge.
+        assert_eq!(config.depth_at(&step(0.0), &keypoint(19.0, 7.0)), Some(2.0));
+        assert_eq!(config.depth_at(&step(3.0), &keypoint(-3.0, 7.0)), None);
+        assert_eq!(config.depth_at(&step(3.0), &keypoint(45.0, 7.0)), None);
+    }
+}
