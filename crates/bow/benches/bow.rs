@@ -63,7 +63,8 @@ fn query(criterion: &mut Criterion) {
         index.add(id, Arc::new(keyframe(&mut random))).expect("a new keyframe");
     }
     let vector = keyframe(&mut random);
-    criterion.bench_function("query over 2000 keyframes", |b| b.iter(|| index.query(&vector, |id| id > 1990)));
+    criterion
+        .bench_function("query over 2000 keyframes", |b| b.iter(|| index.query(&vector, |id| id > 1990)));
     criterion.bench_function("snapshot of an index of 2000 keyframes", |b| b.iter(|| index.clone()));
     criterion.bench_function("add a keyframe to 2000, and the snapshot before", |b| {
         b.iter(|| {

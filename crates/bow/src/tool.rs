@@ -7,10 +7,11 @@ use crate::vocabulary::Vocabulary;
 use features::{Descriptor, Extractor, ExtractorConfig};
 use geometry::GrayImage;
 use rayon::prelude::*;
+use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File};
-use std::io::Write;
-use std::path::Path;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 /// The two file formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -190,13 +191,53 @@ impl fmt::Display for Info {
         writeln!(f, "nodes        {}", self.n_nodes)?;
         let by_level: Vec<String> = self.words_by_level.iter().map(u32::to_string).collect();
         writeln!(f, "words        {} (by level: {})", self.n_words, by_level.join(" "))?;
-        writeln!(f, "weights      TF-IDF, {:.3} to {:.3}; L1 score", self.weight_range.0, self.weight_range.1)?;
+        writeln!(
+            f,
+            "weights      TF-IDF, {:.3} to {:.3}; L1 score",
+            self.weight_range.0, self.weight_range.1
+        )?;
         match (self.n_images, self.n_descriptors) {
             (0, _) => writeln!(f, "trained on   unknown")?,
             (n, m) => writeln!(f, "trained on   {n} images, {m} descriptors, seed {}", self.seed)?,
         }
         write!(f, "size         {:.2} MB", self.n_bytes as f64 / 1e6)
     }
+}
+
+/// Features per image that training takes unless told otherwise.
+pub const TRAINING_FEATURES: usize = 500;
+
+/// The images that these paths stand for, in order: a folder stands for the `.png`, `.jpg` and `.jpeg` files in it and in
+/// its folders, sorted by name.
+///
+/// # Errors
+/// [`VocabularyError::Unreadable`] for a folder that cannot be listed. Files are not opened.
+pub fn find_images(paths: &[PathBuf]) -> Result<Vec<PathBuf>, VocabularyError> {
+    let mut images = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            images.extend(find_images(
+                &list(path).map_err(|error| VocabularyError::unreadable(path, &error))?,
+            )?);
+        } else {
+            images.push(path.clone());
+        }
+    }
+    Ok(images)
+}
+
+/// The folders and images in a folder, sorted.
+fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let is_image = |path: &Path| {
+        let ending = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+        matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg"))
+    };
+    let mut paths = fs::read_dir(folder)?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .filter(|path| path.as_ref().map_or(true, |path| path.is_dir() || is_image(path)))
+        .collect::<io::Result<Vec<_>>>()?;
+    paths.sort();
+    Ok(paths)
 }
 
 /// The descriptors of images `0..n`, for training; images are loaded and extracted in parallel, the result is in order.
@@ -210,7 +251,10 @@ pub fn describe_images<E: Send>(
 ) -> Result<Vec<Vec<Descriptor>>, E> {
     let results: Vec<Result<_, E>> = (0..n)
         .into_par_iter()
-        .map_init(|| Extractor::new(config.clone()), |extractor, i| Ok(extractor.extract(&load(i)?).descriptors))
+        .map_init(
+            || Extractor::new(config.clone()),
+            |extractor, i| Ok(extractor.extract(&load(i)?).descriptors),
+        )
         .collect();
     results.into_iter().collect()
 }

@@ -44,7 +44,10 @@ impl Vocabulary {
             let trust = activation.and_then(|weights| weights.get(i)).copied().unwrap_or(1.0);
             (word, tree.weights[word as usize] * trust)
         });
-        Transformed { bow: BowVector::from_weights(weights.collect()), direct: DirectIndex::from_nodes(&nodes) }
+        Transformed {
+            bow: BowVector::from_weights(weights.collect()),
+            direct: DirectIndex::from_nodes(&nodes),
+        }
     }
 
     /// The word of each descriptor.

@@ -100,7 +100,8 @@ mod tests {
     }
 
     fn l1_distance(a: &BowVector, b: &BowVector) -> f64 {
-        let weight_in = |vector: &BowVector, word| vector.iter().find(|&(w, _)| w == word).map_or(0.0, |p| p.1);
+        let weight_in =
+            |vector: &BowVector, word| vector.iter().find(|&(w, _)| w == word).map_or(0.0, |p| p.1);
         (0..60).map(|word| f64::from((weight_in(a, word) - weight_in(b, word)).abs())).sum()
     }
 
@@ -138,7 +139,8 @@ mod tests {
 
     #[test]
     fn words_without_a_proper_weight_do_not_count() {
-        let vector = BowVector::from_weights(vec![(1, f32::NAN), (2, -1.0), (3, 0.0), (4, f32::INFINITY), (5, 2.0)]);
+        let vector =
+            BowVector::from_weights(vec![(1, f32::NAN), (2, -1.0), (3, 0.0), (4, f32::INFINITY), (5, 2.0)]);
         assert_eq!((vector.words(), vector.weights()), (&[5][..], &[1.0][..]));
         assert_eq!(BowVector::default().score(&vector), 0.0);
         assert!(BowVector::from_weights(vec![(1, 0.0)]).is_empty());

@@ -107,14 +107,14 @@ pub(crate) fn check_tree(tree: &Tree<'_>, branching: u32, levels: u32) -> Result
 /// The file of a tree.
 pub(crate) fn assemble(tables: &Tables) -> Result<Vec<u8>, FormatError> {
     let n_nodes = tables.medians.len();
-    let tree =
-        Tree { medians: &tables.medians, first_child: &tables.first_child, weights: &tables.weights };
+    let tree = Tree { medians: &tables.medians, first_child: &tables.first_child, weights: &tables.weights };
     let n_words = check_tree(&tree, tables.branching, tables.levels)?;
     let layout = u32::try_from(n_nodes).ok().and_then(Layout::of);
     let layout = layout.ok_or_else(|| invalid(format!("{n_nodes} nodes are too many")))?;
     let mut bytes = vec![0; layout.total];
     bytes[..8].copy_from_slice(&MAGIC);
-    let numbers = [(8, VERSION), (24, tables.branching), (28, tables.levels), (32, n_nodes as u32), (36, n_words)];
+    let numbers =
+        [(8, VERSION), (24, tables.branching), (28, tables.levels), (32, n_nodes as u32), (36, n_words)];
     for (at, number) in numbers {
         bytes[at..at + 4].copy_from_slice(&number.to_le_bytes());
     }

@@ -27,7 +27,8 @@ pub(crate) const HEADER_BYTES: usize = 64;
 /// Where the checksum stands.
 pub(crate) const CHECKSUM: std::ops::Range<usize> = 12..16;
 
-const _: () = assert!(cfg!(target_endian = "little"), "tables are used in place, which needs a little-endian machine");
+const _: () =
+    assert!(cfg!(target_endian = "little"), "tables are used in place, which needs a little-endian machine");
 
 /// Byte ranges of the tables of a tree with so many nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

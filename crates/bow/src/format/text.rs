@@ -96,7 +96,13 @@ fn parse_node(fields: &mut Fields<'_>, node: u32) -> Result<Node, FormatError> {
     let weight = fields.number("a weight, not negative", |w: &f32| w.is_finite() && *w >= 0.0)?;
     fields.end()?;
     // Adding zero makes a negative zero positive.
-    Ok(Node { line: fields.line, parent, is_leaf, median: Descriptor::from_bytes(&bytes).0, weight: weight + 0.0 })
+    Ok(Node {
+        line: fields.line,
+        parent,
+        is_leaf,
+        median: Descriptor::from_bytes(&bytes).0,
+        weight: weight + 0.0,
+    })
 }
 
 /// The tables of a tree given as a list of nodes.
@@ -104,7 +110,8 @@ fn breadth_first(nodes: &[Node], branching: u32, levels: u32) -> Result<Tables, 
     let children = Children::of(nodes);
     for (i, node) in nodes.iter().enumerate() {
         if node.is_leaf != children.range(i + 1).is_empty() {
-            let (found, expected) = if node.is_leaf { ("a leaf", "no children") } else { ("no leaf", "children") };
+            let (found, expected) =
+                if node.is_leaf { ("a leaf", "no children") } else { ("no leaf", "children") };
             return Err(line_error(node.line, found.into(), format!("{expected} further down")));
         }
     }

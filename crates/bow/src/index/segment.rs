@@ -49,7 +49,8 @@ impl Segment {
     /// The segment of these places, which must be of different keyframes.
     pub(crate) fn new(mut places: Vec<Place>) -> Self {
         places.sort_by_key(|place| place.keyframe);
-        let n_words = places.iter().filter_map(|p| p.vector.words().last()).max().map_or(0, |&w| w as usize + 1);
+        let n_words =
+            places.iter().filter_map(|p| p.vector.words().last()).max().map_or(0, |&w| w as usize + 1);
         // Counting sort by word: how many places have it, where its first posting goes, the postings.
         let mut next = vec![0u32; n_words];
         for word in places.iter().flat_map(|place| place.vector.words()) {
@@ -90,7 +91,12 @@ impl Segment {
     }
 
     /// Adds the places that share a word with `query` and are wanted.
-    pub(crate) fn query(&self, query: &BowVector, wanted: impl Fn(usize) -> bool, matches: &mut Vec<PlaceMatch>) {
+    pub(crate) fn query(
+        &self,
+        query: &BowVector,
+        wanted: impl Fn(usize) -> bool,
+        matches: &mut Vec<PlaceMatch>,
+    ) {
         // All look-ups first: none of them waits for another one, nor for the postings.
         let lists: Vec<_> = query.iter().map(|(word, weight)| (self.postings_of(word), weight)).collect();
         let mut sums = vec![(0u32, 0.0f64); self.places.len()];
@@ -103,7 +109,11 @@ impl Segment {
         }
         for (i, (shared_words, sum)) in sums.into_iter().enumerate() {
             if shared_words > 0 && wanted(i) {
-                matches.push(PlaceMatch { keyframe: self.places[i].keyframe, shared_words, score: to_score(sum) });
+                matches.push(PlaceMatch {
+                    keyframe: self.places[i].keyframe,
+                    shared_words,
+                    score: to_score(sum),
+                });
             }
         }
     }

@@ -36,8 +36,7 @@ pub(crate) fn split(descriptors: &mut [Bits], seed: u64, options: &TrainOptions)
 /// Labels each descriptor with its nearest median; whether a label changed, and the bits of each part.
 fn assign(descriptors: &[Bits], medians: &[Bits], labels: &mut [u16]) -> (bool, Vec<BitCounts>) {
     let chunks = descriptors.par_chunks(CHUNK).zip(labels.par_chunks_mut(CHUNK));
-    let results: Vec<_> =
-        chunks.map(|(part, labels)| dispatch(Assign { part, medians, labels })).collect();
+    let results: Vec<_> = chunks.map(|(part, labels)| dispatch(Assign { part, medians, labels })).collect();
     let mut changed = false;
     let mut sums = vec![BitCounts::default(); medians.len()];
     for (part_changed, counts) in &results {

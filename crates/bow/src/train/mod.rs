@@ -85,21 +85,16 @@ pub fn train(images: &[Vec<Descriptor>], options: &TrainOptions) -> Result<Vocab
     let mut tables = flatten(root);
     tables.branching = options.branching;
     tables.levels = options.levels;
-    tables.origin = Origin {
-        n_images: images.len() as u64,
-        n_descriptors: n_descriptors as u64,
-        seed: options.seed,
-    };
+    tables.origin =
+        Origin { n_images: images.len() as u64, n_descriptors: n_descriptors as u64, seed: options.seed };
     let unweighted = Vocabulary::from_tables(&tables)?;
     tables.weights = idf::weights(&unweighted, images);
     Ok(Vocabulary::from_tables(&tables)?)
 }
 
 fn check_options(options: &TrainOptions) -> Result<(), TrainError> {
-    let ranges = [
-        ("branching", options.branching, 2, MAX_BRANCHING),
-        ("levels", options.levels, 1, MAX_LEVELS),
-    ];
+    let ranges =
+        [("branching", options.branching, 2, MAX_BRANCHING), ("levels", options.levels, 1, MAX_LEVELS)];
     for (name, found, low, high) in ranges {
         if !(low..=high).contains(&found) {
             return Err(TrainError::Option { name, found, low, high });
@@ -130,8 +125,7 @@ fn grow(descriptors: &mut [Bits], depth: u32, seed: u64, options: &TrainOptions)
         parts.push((median, part, mix_seed(seed, i as u64, u64::from(depth))));
         rest = behind;
     }
-    let grow_part =
-        |(median, part, seed)| Node { median, children: grow(part, depth + 1, seed, options) };
+    let grow_part = |(median, part, seed)| Node { median, children: grow(part, depth + 1, seed, options) };
     parts.into_par_iter().with_max_len(1).map(grow_part).collect()
 }
 
