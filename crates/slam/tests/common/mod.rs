@@ -23,16 +23,23 @@ pub(crate) struct World {
     scales: Arc<ScaleLevels>,
     landmarks: Vec<Landmark>,
     noise_px: f64,
+    /// Error of every measured disparity, pixels.
+    pub(crate) disparity_error_px: f64,
 }
 
 impl World {
     /// Two walls along z, 8 m to both sides, `length_m` long.
     pub(crate) fn corridor(length_m: f64, noise_px: f64) -> Self {
+        World::with_density(length_m, noise_px, 60.0)
+    }
+
+    /// A corridor with this many landmarks per metre.
+    pub(crate) fn with_density(length_m: f64, noise_px: f64, per_m: f64) -> Self {
         let camera = Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 };
         let stereo = StereoRig { camera, baseline_m: 0.5372 };
         let rig = Arc::new(Rig { stereo, distortion: Distortion::default(), width: WIDTH, height: HEIGHT });
         let mut rng = ChaCha8Rng::seed_from_u64(7);
-        let landmarks = (0..(length_m * 60.0) as usize)
+        let landmarks = (0..(length_m * per_m) as usize)
             .map(|_| {
                 let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
                 let position = Vec3::new(
@@ -47,7 +54,13 @@ impl World {
                 }
             })
             .collect();
-        World { rig, scales: Arc::new(ScaleLevels::new(8, 1.2)), landmarks, noise_px }
+        World {
+            rig,
+            scales: Arc::new(ScaleLevels::new(8, 1.2)),
+            landmarks,
+            noise_px,
+            disparity_error_px: 0.0,
+        }
     }
 
     /// The frame seen from `world_from_cam`; noise and flipped bits depend on `index` only.
@@ -66,7 +79,7 @@ impl World {
                 ((landmark.finest_m / point.norm()).ln() / 1.2_f64.ln()).round().clamp(0.0, 7.0) as u8;
             let sigma = self.noise_px * f64::from(self.scales.scales[usize::from(octave)]);
             let mut noisy = |value: f64| (value + sigma * rng.random_range(-1.7..1.7)) as f32;
-            let (x, y, right) = (noisy(uvr.x), noisy(uvr.y), noisy(uvr.z));
+            let (x, y, right) = (noisy(uvr.x), noisy(uvr.y), noisy(uvr.z - self.disparity_error_px));
             if !(16.0..WIDTH as f32 - 16.0).contains(&x) || !(16.0..HEIGHT as f32 - 16.0).contains(&y) {
                 continue;
             }

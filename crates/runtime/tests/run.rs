@@ -1,0 +1,149 @@
+//! A run over frames that are partly unusable: what is dropped, with which reason, and what is still there at the end.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
+use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
+use io::LoadedFrame;
+use runtime::{Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Sensor, Setup, Silent, run};
+use slam::{NotReady, Params};
+
+const WIDTH: usize = 320;
+const HEIGHT: usize = 200;
+
+/// What the feed gives for a frame.
+#[derive(Clone, Copy)]
+enum Kind {
+    Good,
+    Black,
+    Broken,
+    NoRight,
+    OtherSize,
+}
+
+/// A camera that stands still before a wall of blocks, 12 pixels of disparity away.
+struct Feed(Vec<Kind>);
+
+impl FrameFeed for Feed {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn info(&self, i: usize) -> FrameInfo {
+        FrameInfo { index: i as u32, timestamp_s: i as f64 * 0.1 }
+    }
+
+    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+        let black = GrayImage::new(WIDTH, HEIGHT, 0);
+        let (left, right) = match self.0[i] {
+            Kind::Good => (wall(0), Some(wall(12))),
+            Kind::Black => (black.clone(), Some(black)),
+            Kind::Broken => return Err("left.png: unexpected end of file".into()),
+            Kind::NoRight => (wall(0), None),
+            Kind::OtherSize => (wall(0), Some(GrayImage::new(WIDTH / 2, HEIGHT, 0))),
+        };
+        Ok(LoadedFrame { left, right, depth: None })
+    }
+}
+
+/// Blocks of random-looking brightness, moved left by `shift` pixels.
+fn wall(shift: usize) -> GrayImage {
+    let shade = |x: usize, y: usize| {
+        let mut h = ((x / 7) as u32).wrapping_mul(0x9E37_79B1) ^ ((y / 6) as u32).wrapping_mul(0x85EB_CA77);
+        h ^= h >> 15;
+        h = h.wrapping_mul(0x2C1B_3C6D);
+        (h >> 24) as u8
+    };
+    let mut image = GrayImage::new(WIDTH, HEIGHT, 0);
+    for y in 0..HEIGHT {
+        for x in 0..WIDTH {
+            image.data[y * WIDTH + x] = shade(x + shift, y);
+        }
+    }
+    image
+}
+
+fn setup() -> Setup {
+    let camera = Pinhole { fx: 300.0, fy: 300.0, cx: 160.0, cy: 100.0 };
+    let stereo = StereoRig { camera, baseline_m: 0.5 };
+    Setup {
+        sensor: Sensor::Stereo,
+        rig: Arc::new(Rig { stereo, distortion: Distortion::default(), width: WIDTH, height: HEIGHT }),
+        extractor: ExtractorConfig { keep: 500, ..ExtractorConfig::default() },
+        stereo: StereoConfig::default(),
+        disparity_offset_px: 0.0,
+        calibration_frames: 0,
+        depth: DepthConfig::default(),
+        slam: Params::stereo(40.0, 10.0),
+    }
+}
+
+#[test]
+fn unusable_frames_are_dropped_with_their_reasons() {
+    use Kind::{Black, Broken, Good, NoRight, OtherSize};
+    let feed = Feed(vec![Broken, Black, Good, Broken, Good, NoRight, OtherSize, Good]);
+    let outcome = run(&feed, &setup(), &mut Silent, &AtomicBool::new(false)).unwrap();
+    let dropped = |reason: &str| FrameStatus::Dropped(reason.into());
+    let status: Vec<_> = outcome.frames.iter().map(|frame| frame.status.clone()).collect();
+    assert_eq!(status[0], dropped("left.png: unexpected end of file"));
+    let nothing = NotReady::TooFewDepths { found: 0, needed: 100, features: 0 };
+    assert_eq!(status[1], FrameStatus::NotReady(nothing));
+    assert_eq!(status[3], dropped("left.png: unexpected end of file"));
+    assert_eq!(status[5], dropped("there is no right image"));
+    assert_eq!(status[6], dropped("the right image is 160 x 200 pixels, expected 320 x 200"));
+    for i in [2, 4, 7] {
+        assert!(status[i].has_pose(), "frame {i}: {:?}", status[i]);
+    }
+    let centre = outcome.frames[7].world_from_cam.unwrap().translation.norm();
+    assert!(centre < 0.05, "a camera that stands still moved {centre} m");
+    assert_eq!(outcome.frames[1].world_from_cam, None);
+    assert_eq!(outcome.frames[3].world_from_cam, outcome.frames[2].world_from_cam);
+    assert!(!outcome.interrupted);
+}
+
+#[test]
+fn an_empty_feed_is_refused() {
+    let error = run(&Feed(Vec::new()), &setup(), &mut Silent, &AtomicBool::new(false)).unwrap_err();
+    assert_eq!(error, RunError::NoFrames);
+    assert_eq!(error.to_string(), "the sequence has no frames");
+}
+
+/// Raises the stop flag after some frames.
+struct Stopper<'a> {
+    stop: &'a AtomicBool,
+    after: usize,
+}
+
+impl Observer for Stopper<'_> {
+    fn event(&mut self, event: &Event<'_>) {
+        if let Event::Frame { .. } = event {
+            self.after -= 1;
+            if self.after == 0 {
+                self.stop.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stopped_run_keeps_what_it_has() {
+    let stop = AtomicBool::new(false);
+    let feed = Feed(vec![Kind::Good; 50]);
+    let outcome = run(&feed, &setup(), &mut Stopper { stop: &stop, after: 3 }, &stop).unwrap();
+    assert!(outcome.interrupted);
+    assert_eq!(outcome.frames.len(), 3);
+    assert!(outcome.frames.iter().all(|frame| frame.world_from_cam.is_some()));
+    assert_eq!(outcome.map.check(), Ok(()));
+}
+
+#[test]
+fn a_calibration_pass_that_learns_nothing_changes_nothing() {
+    let feed = Feed(vec![Kind::Good; 4]);
+    let plain = run(&feed, &setup(), &mut Silent, &AtomicBool::new(false)).unwrap();
+    let with_pass = Setup { calibration_frames: 3, ..setup() };
+    let passed = run(&feed, &with_pass, &mut Silent, &AtomicBool::new(false)).unwrap();
+    assert_eq!(passed.calibration, None);
+    assert_eq!(plain.frames, passed.frames);
+    assert_eq!(plain.map.digest(), passed.map.digest());
+}
