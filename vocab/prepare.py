@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Decodes the training images (WebP) to PNG, as `dsslam vocab train` reads them. Needs Pillow.
+"""Decodes the training images (WebP) to PNG, as the training reads them. Needs Pillow.
 
 Usage: prepare.py TRAINING OUT, TRAINING being the folder with cityscapes256, idd_lite, camvid and kitti_pseudo. Only the
 training splits are taken. The Cityscapes frames are stretched back to their 2:1 shape.

@@ -1,4 +1,4 @@
-//! What `dsslam vocab train | info | convert` calls: files in and out, facts for printing. Prints nothing itself.
+//! What a program for training, converting and describing vocabularies calls: files in and out, facts for printing. Prints nothing itself.
 
 use crate::block::Block;
 use crate::error::{FormatError, VocabularyError};
