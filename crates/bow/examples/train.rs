@@ -1,4 +1,4 @@
-//! Trains a vocabulary as `dsslam vocab train` does: `cargo run --release -p bow --example train -- OUT IMAGES...`
+//! Trains a vocabulary from images: `cargo run --release -p bow --example train -- OUT IMAGES...`
 //!
 //! Images are taken in the order given; a folder stands for the images in it, sorted by path.
 
