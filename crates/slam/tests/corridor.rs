@@ -66,7 +66,8 @@ fn black_frames_are_lost_with_a_reason_and_tracking_recovers() {
     }
     for i in 20..23 {
         let tracked = pair.step(&world.black(i));
-        assert_eq!(tracked.state, TrackState::Lost(Lost::TooFewMatches { found: 0, needed: 20 }));
+        let lost = matches!(tracked.state, TrackState::Lost(Lost::TooFewMatches { found: 0, .. }));
+        assert!(lost, "{:?}", tracked.state);
         assert!(tracked.keyframe.is_none());
     }
     let tracked = pair.step(&world.frame(23, &slalom(23)));

@@ -1,3 +1,5 @@
+//! Everything the vocabulary and the place index promise, one file per promise.
+
 mod binary_format;
 mod files;
 mod matching;
