@@ -1,7 +1,8 @@
-#![allow(unsafe_code)]
 //! One body, compiled twice: for the target's baseline and for AVX2, chosen at run time.
 //!
 //! No fused multiply-add and no re-ordering: both give the same bits, only more lanes at once.
+
+#![allow(unsafe_code)]
 
 /// A computation whose body shall be compiled for the wider instruction set; `run` must be `#[inline(always)]`.
 pub(crate) trait Kernel {
