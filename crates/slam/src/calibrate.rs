@@ -15,7 +15,7 @@ use optim::{BundleObservation, BundleOptions, BundleProblem, refine_bundle};
 pub struct OffsetEstimate {
     /// To be added to measured disparities, pixels.
     pub offset_px: f64,
-    /// Standard deviation, pixels, if residuals are as large as [`SIGMA_PX`] says and independent.
+    /// Standard deviation, pixels, if residuals are as large as assumed (0.4 px at octave 0) and independent.
     pub sigma_px: f64,
     /// Observations with depth that it rests on.
     pub observations: usize,
