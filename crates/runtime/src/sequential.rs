@@ -66,7 +66,7 @@ fn calibrate(
             run.step(fetched, &mut Silent);
             observer.event(&Event::Calibrating { done: done + 1, frames });
         }
-        estimate_disparity_offset(run.mapper.map())
+        estimate_disparity_offset(&run.mapper.world().map)
     })?;
     observer.event(&Event::Calibrated { estimate });
     Ok(estimate)
@@ -98,7 +98,7 @@ impl<'a> Run<'a> {
             )
             .with_disparity_offset(disparity_offset_px),
             tracker: Tracker::new(setup.slam.clone()),
-            mapper: Mapper::new(setup.slam.clone()),
+            mapper: Mapper::new(setup.slam.clone(), slam::World::default()),
             records: Vec::new(),
             relative: Vec::new(),
             timings: Timings::default(),
@@ -120,7 +120,7 @@ impl<'a> Run<'a> {
                     let frame = watch.time("extract", |_| {
                         Arc::new(build(&mut self.builder, self.setup.sensor, fetched.info, &images))
                     });
-                    let tracked = self.tracker.track(&frame, self.mapper.map(), true, watch);
+                    let tracked = self.tracker.track(&frame, self.mapper.world(), true, watch);
                     (frame, tracked)
                 });
                 drop(images);
@@ -182,7 +182,7 @@ impl<'a> Run<'a> {
         let (features, with_depth, stats) = seen.map_or((0, 0, TrackStats::default()), |(frame, stats)| {
             (frame.len(), (0..frame.len()).filter(|&i| frame.has_depth(i)).count(), stats)
         });
-        let (keyframes, points) = (self.mapper.map().n_keyframes(), self.mapper.map().n_points());
+        let (keyframes, points) = (self.mapper.world().map.n_keyframes(), self.mapper.world().map.n_points());
         observer.event(&Event::Frame {
             index,
             status,
@@ -197,7 +197,7 @@ impl<'a> Run<'a> {
 
     /// Re-expresses every frame in the final map.
     fn finish(mut self, interrupted: bool) -> RunOutcome {
-        let map = self.mapper.into_map();
+        let map = self.mapper.into_world().map;
         for (record, relative) in self.records.iter_mut().zip(&self.relative) {
             record.world_from_cam = relative.as_ref().and_then(|relative| relative.world_from_cam(&map));
         }

@@ -1,22 +1,29 @@
-//! The steps of SLAM: initialise, track, map.
+//! The steps of SLAM: initialise, track, map, relocalise, close loops.
 //!
-//! [`Tracker`] turns a frame and an immutable [`map::Map`] into a [`Tracked`] value; [`Mapper`] owns the map and is
-//! its only writer. Neither knows a clock, a thread or a file: schedules live in the crate `runtime`.
-//! Start reading at [`Tracker::track`] and [`Mapper::refine`].
+//! [`Tracker`] turns a frame and an immutable [`World`] into a [`Tracked`] value; [`LoopCloser`] turns a keyframe and a
+//! world into a [`LoopCorrection`], or a reason why there is none; [`Mapper`] owns the world and is its only writer. None
+//! knows a clock, a thread or a file: schedules live in the crate `runtime`.
+//! Start reading at [`Tracker::track`], [`Mapper::refine`] and [`LoopCloser::detect`].
 
 mod assign;
 mod calibrate;
+pub mod loops;
 pub mod lost;
 pub mod mapper;
 mod noise;
+mod places;
 pub mod params;
 pub mod probe;
 pub mod tracker;
 mod visibility;
+mod world;
 
 pub use calibrate::{OffsetEstimate, estimate_disparity_offset};
+pub use loops::{GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, LoopReport, NoLoop, adjust_globally};
 pub use lost::{Lost, NotReady};
 pub use mapper::{Mapper, MappingReport};
-pub use params::{MappingParams, Params, TrackingParams};
+pub use params::{LoopParams, MappingParams, Params, TrackingParams};
+pub use places::Places;
 pub use probe::{NoProbe, Probe, Stage, staged};
 pub use tracker::{KeyframeReason, KeyframeRequest, TrackState, TrackStats, Tracked, Tracker};
+pub use world::World;

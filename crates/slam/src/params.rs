@@ -1,4 +1,4 @@
-//! What can be set in tracking and mapping. Defaults follow ORB-SLAM2's published constants where not said otherwise.
+//! What can be set in tracking, mapping and loop closing. Defaults follow ORB-SLAM2's published constants where not said otherwise.
 
 /// Residuals of rectified stereo on real drives have a standard deviation of 0.35 px at octave 0; twice that leaves room
 /// for what a chi-square test should not call an outlier.
@@ -25,6 +25,10 @@ pub struct TrackingParams {
     pub local_radius_factor: f32,
     /// Keyframes in the local map at most.
     pub max_local_keyframes: usize,
+    /// Whether the map is only read: no keyframe is ever asked for.
+    pub localize_only: bool,
+    /// Frames that could start a map, one after another, lost, before a new sub-map is started.
+    pub max_lost_frames: u32,
     /// A keyframe is due after this many frames without one (the camera's frame rate, that is one second).
     pub max_keyframe_gap: u32,
     /// Share of the reference keyframe's points below which a keyframe is due.
@@ -62,6 +66,13 @@ pub struct MappingParams {
     pub min_depth_points: usize,
 }
 
+/// Parameters of loop closing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopParams {
+    /// Whether loops are looked for.
+    pub enabled: bool,
+}
+
 /// All parameters of the SLAM steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
@@ -69,6 +80,8 @@ pub struct Params {
     pub tracking: TrackingParams,
     /// The mapper's.
     pub mapping: MappingParams,
+    /// The loop closer's.
+    pub loops: LoopParams,
     /// Standard deviation of a feature's position at octave 0, pixels; errors are judged in units of it.
     pub feature_sigma_px: f64,
     /// Seed of every random decision.
@@ -88,6 +101,8 @@ impl Params {
                 min_inliers: 30,
                 local_radius_factor: 1.0,
                 max_local_keyframes: 80,
+                localize_only: false,
+                max_lost_frames: frame_rate_hz.round().max(1.0) as u32,
                 max_keyframe_gap: frame_rate_hz.round().max(1.0) as u32,
                 keyframe_ratio: 0.75,
                 close_depth_m,
@@ -106,6 +121,7 @@ impl Params {
                 close_depth_m,
                 min_depth_points: 100,
             },
+            loops: LoopParams { enabled: true },
             feature_sigma_px: STEREO_SIGMA_PX,
             seed: 0,
         }

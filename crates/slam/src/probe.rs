@@ -1,6 +1,6 @@
 //! Where the algorithms say which stage they are in; a clock, if there is one, belongs to the caller.
 
-/// The named stages of tracking and mapping, in the order in which a frame passes through them.
+/// The named stages of tracking, mapping and loop closing, in the order in which a frame passes through them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Prediction by the motion model, the reference keyframe or recovery.
@@ -21,6 +21,16 @@ pub enum Stage {
     LocalBundle,
     /// Culling of redundant keyframes.
     CullKeyframes,
+    /// The places that look like a new keyframe.
+    LoopDetect,
+    /// Geometry of a loop candidate.
+    LoopVerify,
+    /// Test and pose graph of a loop.
+    PoseGraph,
+    /// Correction of the map and fusion across a loop.
+    LoopClose,
+    /// Global bundle adjustment.
+    GlobalBundle,
 }
 
 impl Stage {
@@ -36,6 +46,11 @@ impl Stage {
             Stage::Fuse => "fuse",
             Stage::LocalBundle => "local_bundle",
             Stage::CullKeyframes => "cull_keyframes",
+            Stage::LoopDetect => "loop_detect",
+            Stage::LoopVerify => "loop_verify",
+            Stage::PoseGraph => "pose_graph",
+            Stage::LoopClose => "loop_close",
+            Stage::GlobalBundle => "global_bundle",
         }
     }
 }

@@ -25,7 +25,7 @@ fn map_with_error(error_px: f64) -> Pair {
 fn an_offset_of_all_disparities_is_found() {
     for error_px in [0.15, -0.15] {
         let pair = map_with_error(error_px);
-        let estimate = estimate_disparity_offset(pair.mapper.map()).expect("the images tell");
+        let estimate = estimate_disparity_offset(&pair.mapper.world().map).expect("the images tell");
         // The error is to be taken away again.
         let left = error_px + estimate.offset_px;
         assert!(left.abs() < 0.06, "{error_px} px: {estimate:?} leaves {left} px");
@@ -36,7 +36,7 @@ fn an_offset_of_all_disparities_is_found() {
 #[test]
 fn correct_disparities_are_left_alone() {
     let pair = map_with_error(0.0);
-    let estimate = estimate_disparity_offset(pair.mapper.map()).expect("the images tell");
+    let estimate = estimate_disparity_offset(&pair.mapper.world().map).expect("the images tell");
     assert!(estimate.offset_px.abs() < 0.03, "{estimate:?}");
 }
 
@@ -47,5 +47,5 @@ fn a_few_frames_tell_nothing() {
     for i in 0..4 {
         pair.step(&world.frame(i, &slalom(i)));
     }
-    assert_eq!(estimate_disparity_offset(pair.mapper.map()), None);
+    assert_eq!(estimate_disparity_offset(&pair.mapper.world().map), None);
 }

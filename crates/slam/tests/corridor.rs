@@ -31,9 +31,9 @@ fn a_drive_down_the_corridor_stays_on_course() {
         );
         let error = error_m(&pair.world_from_cam(&tracked).unwrap(), i);
         assert!(error < 0.06, "frame {i} is {error} m off");
-        assert_eq!(pair.mapper.map().check(), Ok(()));
+        assert_eq!(pair.mapper.world().map.check(), Ok(()));
     }
-    let map = pair.mapper.map();
+    let map = &pair.mapper.world().map;
     assert!((4..30).contains(&map.n_keyframes()), "{} keyframes", map.n_keyframes());
     assert!(map.n_points() > 300, "{} points", map.n_points());
 }
@@ -49,7 +49,7 @@ fn the_same_frames_give_the_same_bits() {
                 pair.world_from_cam(&tracked).unwrap()
             })
             .collect();
-        (poses, pair.mapper.map().digest())
+        (poses, pair.mapper.world().map.digest())
     };
     let (poses_a, map_a) = run();
     let (poses_b, map_b) = run();
@@ -105,7 +105,7 @@ fn a_frame_without_depth_starts_no_map() {
     );
     let seen: Arc<Frame> = world.frame(1, &slalom(1));
     assert_eq!(pair.step(&seen).state, TrackState::Started);
-    assert_eq!(pair.mapper.map().n_keyframes(), 1);
+    assert_eq!(pair.mapper.world().map.n_keyframes(), 1);
     assert_eq!(pair.step(&world.frame(2, &slalom(2))).state, TrackState::Tracked);
 }
 

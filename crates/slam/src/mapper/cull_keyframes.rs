@@ -10,8 +10,8 @@ const MIN_OBSERVERS: usize = 3;
 impl Mapper {
     /// Removes redundant keyframes among the covisible ones of `keyframe`; never the first, never the newest.
     pub(super) fn cull_keyframes(&mut self, keyframe: KeyframeId) -> usize {
-        let Some(center) = self.map.keyframe(keyframe) else { return 0 };
-        let root = self.map.keyframes().next().map(|kf| kf.id);
+        let Some(center) = self.world.map.keyframe(keyframe) else { return 0 };
+        let root = self.world.map.keyframes().next().map(|kf| kf.id);
         let candidates = center.covisible_at_least(self.params.mapping.min_covisible_weight).to_vec();
         let mut removed = 0;
         for (id, _) in candidates {
@@ -19,12 +19,16 @@ impl Mapper {
                 continue;
             }
             if is_redundant(
-                &self.map,
+                &self.world.map,
                 id,
                 self.params.mapping.redundant_ratio,
                 self.params.mapping.close_depth_m,
             ) {
-                removed += usize::from(self.map.remove_keyframe(id).is_ok());
+                let gone = self.world.map.remove_keyframe(id).is_ok();
+                if gone {
+                    self.world.places.remove(id);
+                }
+                removed += usize::from(gone);
             }
         }
         removed

@@ -18,13 +18,13 @@ impl Mapper {
         let young = std::mem::take(&mut self.young);
         let mut dropped = 0;
         for id in young {
-            let Some(point) = self.map.point(id) else { continue };
+            let Some(point) = self.world.map.point(id) else { continue };
             let age = keyframe.0.saturating_sub(point.created_by.0);
             let rarely_found =
                 f64::from(point.found) < self.params.mapping.min_found_ratio * f64::from(point.seen);
-            let lonely = age >= PROBATION && stereo_observations(&self.map, point) < MIN_OBSERVATIONS;
+            let lonely = age >= PROBATION && stereo_observations(&self.world.map, point) < MIN_OBSERVATIONS;
             if rarely_found || lonely {
-                if self.map.remove_point(id).is_ok() {
+                if self.world.map.remove_point(id).is_ok() {
                     dropped += 1;
                 }
             } else if age < GRADUATION {

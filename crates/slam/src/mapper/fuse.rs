@@ -17,13 +17,13 @@ impl Mapper {
     /// Fuses with neighbours of first and second order; returns merges and new observations.
     pub(super) fn fuse(&mut self, keyframe: KeyframeId) -> usize {
         let targets = self.fusion_targets(keyframe);
-        let own = points_of(&self.map, keyframe);
+        let own = points_of(&self.world.map, keyframe);
         let mut changed = 0;
         for &target in &targets {
             changed += self.fuse_into(target, &own);
         }
         let mut foreign: Vec<PointId> =
-            targets.iter().flat_map(|&target| points_of(&self.map, target)).collect();
+            targets.iter().flat_map(|&target| points_of(&self.world.map, target)).collect();
         foreign.sort_unstable();
         foreign.dedup();
         changed + self.fuse_into(keyframe, &foreign)
@@ -33,7 +33,7 @@ impl Mapper {
     fn fusion_targets(&self, keyframe: KeyframeId) -> Vec<KeyframeId> {
         let mapping = &self.params.mapping;
         let best = |id: KeyframeId, n: usize| {
-            self.map.keyframe(id).map_or(Vec::new(), |kf| kf.best_covisible(n).to_vec())
+            self.world.map.keyframe(id).map_or(Vec::new(), |kf| kf.best_covisible(n).to_vec())
         };
         let mut targets = Vec::new();
         for (first, _) in best(keyframe, mapping.neighbours) {
@@ -49,19 +49,19 @@ impl Mapper {
 
     /// Projects `points` into `target`: a feature that holds another point merges the two, a free one is linked.
     fn fuse_into(&mut self, target: KeyframeId, points: &[PointId]) -> usize {
-        let Some(keyframe) = self.map.keyframe(target) else { return 0 };
-        let found = find_duplicates(&self.map, keyframe, points);
+        let Some(keyframe) = self.world.map.keyframe(target) else { return 0 };
+        let found = find_duplicates(&self.world.map, keyframe, points);
         let mut changed = 0;
         for (feature, id) in found {
-            let Some(id) = self.map.resolve(id) else { continue };
-            let holder = self.map.keyframe(target).and_then(|kf| kf.point_at(feature));
+            let Some(id) = self.world.map.resolve(id) else { continue };
+            let holder = self.world.map.keyframe(target).and_then(|kf| kf.point_at(feature));
             let done = match holder {
                 Some(other) if other == id => false,
                 Some(other) => {
                     let (keep, drop) = self.longer_lived(other, id);
-                    self.map.merge_points(keep, drop).is_ok()
+                    self.world.map.merge_points(keep, drop).is_ok()
                 }
-                None => self.map.link(id, Observation { keyframe: target, feature }).is_ok(),
+                None => self.world.map.link(id, Observation { keyframe: target, feature }).is_ok(),
             };
             changed += usize::from(done);
         }
@@ -70,7 +70,7 @@ impl Mapper {
 
     /// The point with more observations first; ties keep the older point.
     fn longer_lived(&self, a: PointId, b: PointId) -> (PointId, PointId) {
-        let observations = |id| self.map.point(id).map_or(0, |p| p.observations().len());
+        let observations = |id| self.world.map.point(id).map_or(0, |p| p.observations().len());
         let (n_a, n_b) = (observations(a), observations(b));
         if n_a > n_b || (n_a == n_b && a < b) { (a, b) } else { (b, a) }
     }

@@ -12,13 +12,13 @@ impl Mapper {
         let cam_from_world = match request.reference {
             None => request.cam_from_reference,
             Some(reference) => {
-                let (alive, reference_from_alive) = self.map.resolve_keyframe(reference)?;
-                let alive_from_world = self.map.keyframe(alive)?.cam_from_world;
+                let (alive, reference_from_alive) = self.world.map.resolve_keyframe(reference)?;
+                let alive_from_world = self.world.map.keyframe(alive)?.cam_from_world;
                 (request.cam_from_reference * reference_from_alive * alive_from_world).normalized()
             }
         };
         let matches = self.living_matches(&request.matches);
-        let keyframe = self.map.next_keyframe_id();
+        let keyframe = self.world.map.next_keyframe_id();
         let points = depth_points(
             &request.frame,
             &cam_from_world,
@@ -41,7 +41,7 @@ impl Mapper {
             }),
             points,
         };
-        let inserted = self.map.insert(batch).ok()?;
+        let inserted = self.world.map.insert(batch).ok()?;
         self.young.extend(inserted.points);
         inserted.keyframe
     }
@@ -51,7 +51,7 @@ impl Mapper {
         let mut used = Vec::with_capacity(matches.len());
         let mut living = Vec::with_capacity(matches.len());
         for &(feature, id) in matches {
-            let Some(id) = self.map.resolve(id) else { continue };
+            let Some(id) = self.world.map.resolve(id) else { continue };
             if let Err(at) = used.binary_search(&id) {
                 used.insert(at, id);
                 living.push((feature, id));

@@ -29,7 +29,7 @@ struct LocalProblem {
 impl Mapper {
     /// Optimises around `keyframe`: robustly, then without the outliers; outlier observations are unlinked.
     pub(super) fn adjust(&mut self, keyframe: KeyframeId) -> Adjusted {
-        if self.map.n_keyframes() < 2 {
+        if self.world.map.n_keyframes() < 2 {
             return Adjusted::default();
         }
         let Some(local) = self.local_problem(keyframe) else { return Adjusted::default() };
@@ -55,13 +55,13 @@ impl Mapper {
     /// The unknowns and observations around a keyframe.
     fn local_problem(&self, keyframe: KeyframeId) -> Option<LocalProblem> {
         let mapping = &self.params.mapping;
-        let center = self.map.keyframe(keyframe)?;
+        let center = self.world.map.keyframe(keyframe)?;
         let mut free = vec![keyframe];
         free.extend(center.covisible_at_least(mapping.min_covisible_weight).iter().map(|&(id, _)| id));
         free.truncate(mapping.max_local_keyframes);
         let mut points: Vec<PointId> = free
             .iter()
-            .filter_map(|&id| self.map.keyframe(id))
+            .filter_map(|&id| self.world.map.keyframe(id))
             .flat_map(|kf| kf.points().iter().flatten().copied())
             .collect();
         points.sort_unstable();
@@ -73,9 +73,9 @@ impl Mapper {
             keyframes.push(id);
         }
         let mut observations = Vec::new();
-        for (point_index, point) in points.iter().filter_map(|&id| self.map.point(id)).enumerate() {
+        for (point_index, point) in points.iter().filter_map(|&id| self.world.map.point(id)).enumerate() {
             for observation in point.observations() {
-                let Some(observer) = self.map.keyframe(observation.keyframe) else { continue };
+                let Some(observer) = self.world.map.keyframe(observation.keyframe) else { continue };
                 let camera = *index.entry(observation.keyframe).or_insert_with(|| {
                     keyframes.push(observation.keyframe);
                     keyframes.len() as u32 - 1
@@ -90,7 +90,7 @@ impl Mapper {
                 });
             }
         }
-        let root = self.map.keyframes().next().map(|kf| kf.id);
+        let root = self.world.map.keyframes().next().map(|kf| kf.id);
         let mut fixed: Vec<bool> =
             keyframes.iter().enumerate().map(|(i, &id)| i >= free.len() || Some(id) == root).collect();
         if !fixed.contains(&true) {
@@ -100,8 +100,8 @@ impl Mapper {
         }
         let rig: StereoRig = center.frame.rig.stereo;
         let cameras =
-            keyframes.iter().filter_map(|&id| self.map.keyframe(id)).map(|kf| kf.cam_from_world).collect();
-        let positions = points.iter().filter_map(|&id| self.map.point(id)).map(|p| p.position).collect();
+            keyframes.iter().filter_map(|&id| self.world.map.keyframe(id)).map(|kf| kf.cam_from_world).collect();
+        let positions = points.iter().filter_map(|&id| self.world.map.point(id)).map(|p| p.position).collect();
         let problem = BundleProblem { rig, cameras, fixed, points: positions, observations };
         Some(LocalProblem { problem, keyframes, points })
     }
@@ -114,7 +114,7 @@ impl Mapper {
             .collect();
         let positions: Vec<(PointId, Vec3)> =
             local.points.iter().copied().zip(solution.points.iter().copied()).collect();
-        if self.map.set_estimates(&moved, &positions).is_err() {
+        if self.world.map.set_estimates(&moved, &positions).is_err() {
             return Adjusted::default();
         }
         let mut outliers = 0;
@@ -124,7 +124,7 @@ impl Mapper {
             if disagrees(&local.problem.rig, camera, point, observation) {
                 let point = local.points[observation.point as usize];
                 let keyframe = local.keyframes[observation.camera as usize];
-                outliers += usize::from(self.map.unlink(point, keyframe).is_ok());
+                outliers += usize::from(self.world.map.unlink(point, keyframe).is_ok());
             }
         }
         Adjusted { keyframes: moved.len(), points: positions.len(), outliers }

@@ -19,7 +19,7 @@ const MAX_RATIO: f32 = 0.8;
 impl Mapper {
     /// Triangulates with the best covisible keyframes in turn; returns the number of new points.
     pub(super) fn triangulate(&mut self, keyframe: KeyframeId) -> usize {
-        let neighbours = match self.map.keyframe(keyframe) {
+        let neighbours = match self.world.map.keyframe(keyframe) {
             Some(kf) => kf.best_covisible(self.params.mapping.neighbours).to_vec(),
             None => return 0,
         };
@@ -27,7 +27,7 @@ impl Mapper {
     }
 
     fn triangulate_with(&mut self, keyframe: KeyframeId, neighbour: KeyframeId) -> usize {
-        let (Some(a), Some(b)) = (self.map.keyframe(keyframe), self.map.keyframe(neighbour)) else {
+        let (Some(a), Some(b)) = (self.world.map.keyframe(keyframe), self.world.map.keyframe(neighbour)) else {
             return 0;
         };
         let (view_a, view_b) = (View::new(a), View::new(b));
@@ -59,7 +59,7 @@ impl Mapper {
                 Some(NewPoint { position, observations })
             })
             .collect();
-        match self.map.insert(Batch { keyframe: None, points }) {
+        match self.world.map.insert(Batch { keyframe: None, points }) {
             Ok(inserted) => {
                 let n_new = inserted.points.len();
                 self.young.extend(inserted.points);

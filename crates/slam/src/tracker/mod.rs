@@ -17,6 +17,7 @@ use map::{KeyframeId, Map, PointCount, PointId};
 use crate::lost::{Lost, NotReady};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
+use crate::world::World;
 pub use keyframe_policy::KeyframeReason;
 pub(crate) use keyframe_policy::stereo_observations;
 use last_frame::LastFrame;
@@ -103,15 +104,16 @@ impl Tracker {
         Tracker { params, last: None, velocity: None, last_keyframe_index: 0 }
     }
 
-    /// Finds the pose of `frame` in `map`. `mapper_idle` says whether mapping waits for work; it must depend on frame
+    /// Finds the pose of `frame` in the map of `world`. `mapper_idle` says whether mapping waits for work; it must depend on frame
     /// numbers only where a run has to be repeatable.
     pub fn track(
         &mut self,
         frame: &Arc<Frame>,
-        map: &Map,
+        world: &World,
         mapper_idle: bool,
         probe: &mut dyn Probe,
     ) -> Tracked {
+        let map = &world.map;
         let Some(last) = self.last.take().map(|last| last.refreshed(map)) else {
             return self.start(frame);
         };

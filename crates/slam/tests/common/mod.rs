@@ -117,11 +117,11 @@ pub(crate) struct Pair {
 
 impl Pair {
     pub(crate) fn new(params: &Params) -> Self {
-        Pair { tracker: Tracker::new(params.clone()), mapper: Mapper::new(params.clone()) }
+        Pair { tracker: Tracker::new(params.clone()), mapper: Mapper::new(params.clone(), slam::World::default()) }
     }
 
     pub(crate) fn step(&mut self, frame: &Arc<Frame>) -> Tracked {
-        let tracked = self.tracker.track(frame, self.mapper.map(), true, &mut NoProbe);
+        let tracked = self.tracker.track(frame, self.mapper.world(), true, &mut NoProbe);
         self.mapper.count(&tracked.counts);
         if let Some(request) = &tracked.keyframe {
             let id = self.mapper.insert(request, &mut NoProbe).expect("the reference is in the map");
@@ -135,8 +135,8 @@ impl Pair {
         if tracked.state == TrackState::Started {
             return Some(SE3::identity());
         }
-        let (alive, reference_from_alive) = self.mapper.map().resolve_keyframe(tracked.reference?)?;
-        let alive_from_world = self.mapper.map().keyframe(alive)?.cam_from_world;
+        let (alive, reference_from_alive) = self.mapper.world().map.resolve_keyframe(tracked.reference?)?;
+        let alive_from_world = self.mapper.world().map.keyframe(alive)?.cam_from_world;
         Some((tracked.cam_from_reference * reference_from_alive * alive_from_world).inverse())
     }
 }

@@ -1,0 +1,81 @@
+//! Where keyframes look alike: bag-of-words vectors and direct indices of the map's keyframes.
+
+use std::fmt;
+use std::sync::Arc;
+
+use bow::{BowVector, DirectIndex, PlaceIndex, Transformed, Vocabulary};
+use features::Frame;
+use map::{KeyframeId, Map};
+
+/// Direct indices that share one allocation.
+const CHUNK: usize = 64;
+
+/// What the vocabulary says about the keyframes of a map. A clone is a cheap snapshot that later changes leave alone.
+#[derive(Clone, Default)]
+pub struct Places {
+    /// Without one, no place is ever recognised.
+    vocabulary: Option<Arc<Vocabulary>>,
+    index: PlaceIndex,
+    /// By id of the keyframe; `None` for keyframes that are not there.
+    direct: Vec<Arc<Vec<Option<Arc<DirectIndex>>>>>,
+}
+
+impl fmt::Debug for Places {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Places").field("keyframes", &self.index.len()).finish_non_exhaustive()
+    }
+}
+
+impl Places {
+    /// No places yet, in the words of a vocabulary; without one, no place will ever be recognised.
+    pub fn new(vocabulary: Option<Arc<Vocabulary>>) -> Self {
+        Places { vocabulary, ..Places::default() }
+    }
+
+    /// The places of all keyframes of a map, as if each had been added.
+    pub fn of_map(vocabulary: Option<Arc<Vocabulary>>, map: &Map) -> Self {
+        let mut places = Places::new(vocabulary);
+        map.keyframes().for_each(|keyframe| places.add(keyframe.id, &keyframe.frame));
+        places
+    }
+
+    /// Vector and direct index of a frame, features weighted by their activation; `None` without a vocabulary.
+    pub fn describe(&self, frame: &Frame) -> Option<Transformed> {
+        self.vocabulary.as_ref().map(|v| v.transform(&frame.descriptors, Some(&frame.activation)))
+    }
+
+    /// Vector and direct index of a keyframe.
+    pub fn of(&self, keyframe: KeyframeId) -> Option<(&Arc<BowVector>, &DirectIndex)> {
+        let id = keyframe.0 as usize;
+        let direct = self.direct.get(id / CHUNK)?.get(id % CHUNK)?.as_ref()?;
+        Some((self.index.vector(keyframe.0)?, direct))
+    }
+
+    /// The index over all keyframes.
+    pub fn index(&self) -> &PlaceIndex {
+        &self.index
+    }
+
+    /// Adds a keyframe; one that is there already stays as it is.
+    pub(crate) fn add(&mut self, keyframe: KeyframeId, frame: &Frame) {
+        let Some(Transformed { bow, direct }) = self.describe(frame) else { return };
+        if self.index.add(keyframe.0, Arc::new(bow)).is_ok() {
+            self.set_direct(keyframe, Some(Arc::new(direct)));
+        }
+    }
+
+    /// Forgets a keyframe.
+    pub(crate) fn remove(&mut self, keyframe: KeyframeId) {
+        if self.index.remove(keyframe.0) {
+            self.set_direct(keyframe, None);
+        }
+    }
+
+    fn set_direct(&mut self, keyframe: KeyframeId, direct: Option<Arc<DirectIndex>>) {
+        let id = keyframe.0 as usize;
+        while self.direct.len() <= id / CHUNK {
+            self.direct.push(Arc::new(vec![None; CHUNK]));
+        }
+        Arc::make_mut(&mut self.direct[id / CHUNK])[id % CHUNK] = direct;
+    }
+}

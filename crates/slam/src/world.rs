@@ -1,0 +1,30 @@
+//! What tracking and loop closing read: the map, and where its keyframes look alike.
+
+use std::sync::Arc;
+
+use bow::Vocabulary;
+use map::Map;
+
+use crate::places::Places;
+
+/// The shared state, owned by the [`Mapper`](crate::Mapper). A clone is a cheap snapshot.
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    /// Keyframes and points.
+    pub map: Map,
+    /// Places of its keyframes.
+    pub places: Places,
+}
+
+impl World {
+    /// An empty map whose places will be described in the words of a vocabulary, if there is one.
+    pub fn new(vocabulary: Option<Arc<Vocabulary>>) -> Self {
+        World { map: Map::new(), places: Places::new(vocabulary) }
+    }
+
+    /// A map from elsewhere, its places described anew.
+    pub fn from_map(map: Map, vocabulary: Option<Arc<Vocabulary>>) -> Self {
+        let places = Places::of_map(vocabulary, &map);
+        World { map, places }
+    }
+}
