@@ -63,6 +63,17 @@ Examples:
     )
 }
 
+/// Below `dsslam vocab --help`.
+pub(crate) fn vocab() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam vocab info                                       the vocabulary that is part of the program
+  dsslam vocab train images/ more/*.png -o my.dbow
+  dsslam vocab convert ORBvoc.txt orbvoc.dbow",
+    )
+}
+
 fn with_codes(examples: &str) -> String {
     format!("{examples}\n\n{EXIT_CODES}")
 }

@@ -20,6 +20,7 @@ mod setup;
 mod stop;
 mod summary;
 mod trajectories;
+mod vocab;
 
 use std::process::ExitCode;
 
@@ -43,5 +44,6 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Synth(args) => render::run(&args),
         Command::Eval(command) => command.run().or_input().map(|()| Exit::Done),
         Command::Config(args) => config::run(&args.action),
+        Command::Vocab(args) => vocab::run(&args.action),
     }
 }

@@ -13,7 +13,7 @@ fn dsslam(args: &[&str]) -> (Option<i32>, String) {
 }
 
 /// Commands that run something: their help has examples and the exit codes.
-const COMMANDS: [&[&str]; 5] = [&[], &["run"], &["demo"], &["synth"], &["config"]];
+const COMMANDS: [&[&str]; 6] = [&[], &["run"], &["demo"], &["synth"], &["config"], &["vocab"]];
 
 fn help(command: &[&str]) -> String {
     let (code, text) = dsslam(&[command, &["--help"]].concat());

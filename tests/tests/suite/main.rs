@@ -9,6 +9,7 @@ mod end_to_end;
 mod program;
 mod real_data;
 mod sequence;
+mod vocabulary;
 
 use std::path::{Path, PathBuf};
 
