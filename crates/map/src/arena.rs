@@ -97,6 +97,14 @@ impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
         }
     }
 
+    /// Write access to what replaced a removed item.
+    pub(crate) fn forward_mut(&mut self, id: I) -> Option<&mut R> {
+        match self.slot_mut(id) {
+            Slot::Forwarded(r) => Some(Arc::make_mut(r)),
+            Slot::Live(_) | Slot::Removed => None,
+        }
+    }
+
     /// Live items in order of their ids.
     pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (I, &T)> {
         self.chunks.iter().enumerate().flat_map(|(c, chunk)| {

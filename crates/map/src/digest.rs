@@ -1,7 +1,7 @@
 //! `digest`: one number for the whole content of a map, to compare maps bit for bit.
 
-use features::Frame;
-use geometry::{SE3, Vec3};
+use features::{Frame, Rig};
+use geometry::{Distortion, Pinhole, SE3, Vec3};
 
 use crate::ids::Id;
 use crate::{Keyframe, KeyframeId, Map, MapPoint, PointId};
@@ -42,9 +42,19 @@ impl Hasher {
         values.iter().for_each(|x| self.word(u64::from(x.to_bits())));
     }
 
+    fn rig(&mut self, rig: &Rig) {
+        let Pinhole { fx, fy, cx, cy } = rig.stereo.camera;
+        let Distortion { k1, k2, p1, p2, k3 } = rig.distortion;
+        [fx, fy, cx, cy, rig.stereo.baseline_m, k1, k2, p1, p2, k3].into_iter().for_each(|x| self.float(x));
+        [rig.width, rig.height].into_iter().for_each(|side| self.word(side as u64));
+    }
+
     fn frame(&mut self, frame: &Frame) {
         self.word(u64::from(frame.index));
         self.float(frame.timestamp_s);
+        self.rig(&frame.rig);
+        self.float(f64::from(frame.scales.factor));
+        [&frame.scales.scales, &frame.scales.sigma_sq].into_iter().for_each(|v| self.floats(v));
         self.word(frame.len() as u64);
         for k in &frame.keypoints {
             let bits = [k.x, k.y, k.angle_deg, k.response].map(|x| u64::from(x.to_bits()));
@@ -58,6 +68,7 @@ impl Hasher {
         self.id(Some(keyframe.id));
         self.frame(&keyframe.frame);
         self.pose(&keyframe.cam_from_world);
+        self.float(keyframe.scale);
         keyframe.points().iter().for_each(|&p| self.id(p));
         self.word(keyframe.covisible().len() as u64);
         for &(k, weight) in keyframe.covisible() {
@@ -93,7 +104,7 @@ impl Map {
     /// machine, and a difference in a single bit changes it (but for accidents of probability 2^-64).
     pub fn digest(&self) -> u64 {
         let mut h = Hasher(0xcbf2_9ce4_8422_2325);
-        h.id(self.root());
+        h.keyframe_ids(self.roots());
         h.id(Some(self.next_keyframe_id()));
         for i in 0..self.keyframes.len() {
             let id = KeyframeId::from_index(i);
@@ -102,6 +113,7 @@ impl Map {
             } else if let Some(removed) = self.keyframes.forward(id) {
                 h.id(Some(removed.parent));
                 h.pose(&removed.removed_from_parent);
+                h.float(removed.scale);
             } else {
                 h.word(0);
             }

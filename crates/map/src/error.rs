@@ -119,11 +119,35 @@ pub enum MapError {
         /// The point.
         point: PointId,
     },
-    /// The root of the spanning tree stays.
-    #[error("keyframe {keyframe} is the root of the spanning tree and cannot be removed")]
+    /// The root of a sub-map stays.
+    #[error("keyframe {keyframe} is the root of a sub-map and cannot be removed")]
     RemoveRoot {
         /// The root.
         keyframe: KeyframeId,
+    },
+    /// The first keyframe of a new sub-map shares nothing with older ones.
+    #[error(
+        "keyframe {keyframe} cannot start a sub-map: it shows points of the map, or a new one that others show"
+    )]
+    SubmapMatched {
+        /// The id that the keyframe would have had.
+        keyframe: KeyframeId,
+    },
+    /// Only different sub-maps can be joined.
+    #[error("keyframes {keyframe} and {parent} cannot be joined: they are in the same sub-map")]
+    SameSubmap {
+        /// The keyframe of the sub-map to join.
+        keyframe: KeyframeId,
+        /// The keyframe that it should hang under.
+        parent: KeyframeId,
+    },
+    /// A scale, or the product of all scales of a keyframe, is not a positive finite number.
+    #[error("scale of keyframe {keyframe} is {scale}, expected a positive finite number")]
+    Scale {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The scale.
+        scale: f64,
     },
     /// A correction from the future.
     #[error("correction saw revision {seen}, the map is at {now}")]

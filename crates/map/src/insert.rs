@@ -8,7 +8,6 @@ use geometry::{SE3, Vec3};
 use crate::covisibility::CovisibilityChange;
 use crate::derived::{representative_descriptor, viewing_geometry};
 use crate::ids::Id;
-use crate::keyframe::insert_sorted;
 use crate::validate::{find_twice, is_sane, valid_pose};
 use crate::{Keyframe, KeyframeId, Map, MapError, MapPoint, Observation, PROBATION_KEYFRAMES, PointId};
 
@@ -30,9 +29,20 @@ pub struct NewKeyframe {
     pub cam_from_world: SE3,
     /// Features that show points of the map.
     pub matches: Vec<(u32, PointId)>,
-    /// Parent in the spanning tree; `None` takes the keyframe that shares most points, else the newest. The first
-    /// keyframe of a map has none.
-    pub parent: Option<KeyframeId>,
+    /// Its place in the forest of sub-maps.
+    pub parent: Parent,
+}
+
+/// Where a new keyframe hangs in the forest of sub-maps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Parent {
+    /// Under the keyframe that shares most points, else under the newest; the first keyframe of a map is a root.
+    #[default]
+    Closest,
+    /// Under this one.
+    Under(KeyframeId),
+    /// Nowhere: it is the root of a new sub-map and shares no point with older keyframes.
+    NewSubmap,
 }
 
 /// A point to insert.
@@ -61,14 +71,15 @@ impl Map {
     ///
     /// # Errors
     /// An id or feature does not exist, a feature would show two points, a point would be observed twice by a keyframe
-    /// or not at all, or a number is not finite or a rotation not a rotation.
+    /// or not at all, a number is not finite or a rotation not a rotation, or the first keyframe of a sub-map shares points
+    /// with older ones.
     pub fn insert(&mut self, batch: Batch) -> Result<Inserted, MapError> {
         self.validate_batch(&batch)?;
         let mut change = CovisibilityChange::default();
         let matched: Vec<PointId> =
             batch.keyframe.iter().flat_map(|new| new.matches.iter().map(|m| m.1)).collect();
         let fallback_parent = self.newest_keyframe();
-        let given_parent = batch.keyframe.as_ref().and_then(|new| new.parent);
+        let wanted_parent = batch.keyframe.as_ref().map_or(Parent::default(), |new| new.parent);
 
         let keyframe = batch.keyframe.map(|new| self.add_keyframe(new, &mut change));
         let points = batch.points.into_iter().map(|new| self.add_point(new, &mut change)).collect();
@@ -77,7 +88,12 @@ impl Map {
         let mut expired = Vec::new();
         if let Some(id) = keyframe {
             let best = self.keyframes.live(id).covisible.first().map(|&(k, _)| k);
-            self.hang(id, given_parent.or(best).or(fallback_parent));
+            let parent = match wanted_parent {
+                Parent::Closest => best.or(fallback_parent),
+                Parent::Under(parent) => Some(parent),
+                Parent::NewSubmap => None,
+            };
+            self.hang(id, parent);
             expired = self.end_probation();
         }
         self.revision += 1;
@@ -89,6 +105,9 @@ impl Map {
         if let Some(new) = &batch.keyframe {
             self.validate_keyframe(new)?;
             let keyframe = self.next_keyframe_id();
+            if new.parent == Parent::NewSubmap && shares_points(keyframe, new, &batch.points) {
+                return Err(MapError::SubmapMatched { keyframe });
+            }
             claims.extend(new.matches.iter().map(|&(feature, _)| Observation { keyframe, feature }));
         }
         for (index, new) in batch.points.iter().enumerate() {
@@ -104,7 +123,7 @@ impl Map {
     fn validate_keyframe(&self, new: &NewKeyframe) -> Result<(), MapError> {
         let keyframe = self.next_keyframe_id();
         valid_pose(keyframe, &new.cam_from_world)?;
-        if let Some(parent) = new.parent {
+        if let Parent::Under(parent) = new.parent {
             self.need_keyframe(parent)?;
         }
         for &(feature, point) in &new.matches {
@@ -179,17 +198,6 @@ impl Map {
         })
     }
 
-    /// Gives a keyframe its place in the spanning tree; the first of the map becomes the root.
-    fn hang(&mut self, id: KeyframeId, parent: Option<KeyframeId>) {
-        match parent {
-            Some(parent) => {
-                self.keyframes.live_mut(id).parent = Some(parent);
-                insert_sorted(&mut self.keyframes.live_mut(parent).children, id);
-            }
-            None => self.root = Some(id),
-        }
-    }
-
     /// Removes the points that stop being young because of the last inserted keyframe and have one observation.
     fn end_probation(&mut self) -> Vec<PointId> {
         if self.first_young.len() <= PROBATION_KEYFRAMES {
@@ -204,6 +212,12 @@ impl Map {
         self.apply_covisibility(change);
         expired
     }
+}
+
+/// The keyframe of a batch shows a point of the map, or a new one that another keyframe shows too.
+fn shares_points(id: KeyframeId, new: &NewKeyframe, points: &[NewPoint]) -> bool {
+    let observes = |p: &NewPoint| p.observations.iter().any(|o| o.keyframe == id);
+    !new.matches.is_empty() || points.iter().any(|p| p.observations.len() > 1 && observes(p))
 }
 
 fn need_feature(keyframe: KeyframeId, frame: &Frame, feature: u32) -> Result<(), MapError> {

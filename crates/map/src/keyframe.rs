@@ -18,6 +18,8 @@ pub struct Keyframe {
     pub cam_from_world: SE3,
     /// Revision of the map that the insertion led to.
     pub inserted_at: u64,
+    /// Product of the scales of all corrections since the insertion.
+    pub(crate) scale: f64,
     /// Shared on its own, so that a change of a relation does not copy the table.
     pub(crate) points: Arc<Vec<Option<PointId>>>,
     pub(crate) covisible: Vec<(KeyframeId, u32)>,
@@ -34,6 +36,7 @@ impl Keyframe {
             frame,
             cam_from_world,
             inserted_at,
+            scale: 1.0,
             points,
             covisible: Vec::new(),
             parent: None,
@@ -57,7 +60,7 @@ impl Keyframe {
         self.points.iter().flatten().count()
     }
 
-    /// Parent in the spanning tree; `None` for the root only.
+    /// Parent in the spanning tree; `None` for the root of a sub-map only.
     pub fn parent(&self) -> Option<KeyframeId> {
         self.parent
     }

@@ -13,11 +13,15 @@
 //! | every point has two observations or is young ([`PROBATION_KEYFRAMES`]), never none | `insert.rs`, `observations.rs` |
 //! | the reference keyframe of a point observes it | `observations.rs` |
 //! | covisibility weights equal the counted shared points, symmetric, sorted | `covisibility.rs` |
-//! | the spanning tree has one root and no cycle | `insert.rs`, `remove.rs` |
+//! | the spanning trees have one root per sub-map and no cycle | `forest.rs`, `remove.rs` |
 //! | loop edges are symmetric | `correction.rs`, `remove.rs` |
 //! | no id names a removed thing ([`MapPoint::created_by`], a fact of the past, excepted) | `remove.rs` |
-//! | all numbers are finite, rotations are rotations | validation |
+//! | all numbers are finite, rotations are rotations, scales positive | validation |
 //! | descriptor, normal and distance range of a point are those of its observations | `derived.rs` |
+//!
+//! After a lasting loss of tracking the map goes on with a new *sub-map* ([`Parent::NewSubmap`]): another spanning tree
+//! under the same ids, in coordinates (and for one camera in a scale) of its own, until a correction joins it to
+//! another one ([`Correction::joined`]). [`Map::submap_of`] names the sub-map of a keyframe by its root.
 //!
 //! Start reading at `map.rs` (queries), then `observations.rs` (the primitives that the mutations share).
 
@@ -29,6 +33,7 @@ mod derived;
 mod digest;
 mod error;
 mod estimates;
+mod forest;
 mod ids;
 mod insert;
 mod keyframe;
@@ -41,10 +46,10 @@ mod tests;
 mod validate;
 
 pub use check::Violation;
-pub use correction::Correction;
+pub use correction::{Correction, KeyframeCorrection};
 pub use error::{MapError, PoseDefect};
 pub use ids::{KeyframeId, PointId};
-pub use insert::{Batch, Inserted, NewKeyframe, NewPoint};
+pub use insert::{Batch, Inserted, NewKeyframe, NewPoint, Parent};
 pub use keyframe::Keyframe;
 pub use map::{Map, PROBATION_KEYFRAMES};
 pub use observations::PointFate;

@@ -18,7 +18,8 @@ pub const PROBATION_KEYFRAMES: usize = 3;
 pub struct Map {
     pub(crate) keyframes: Arena<KeyframeId, Keyframe, RemovedKeyframe>,
     pub(crate) points: Arena<PointId, MapPoint, PointId>,
-    pub(crate) root: Option<KeyframeId>,
+    /// The keyframes without a parent, one per sub-map, in order of their ids.
+    pub(crate) roots: Vec<KeyframeId>,
     pub(crate) revision: u64,
     /// For each of the newest [`PROBATION_KEYFRAMES`] keyframes, oldest first, the first point id that it could create.
     pub(crate) first_young: Vec<PointId>,
@@ -29,6 +30,8 @@ pub struct Map {
 pub(crate) struct RemovedKeyframe {
     pub(crate) parent: KeyframeId,
     pub(crate) removed_from_parent: SE3,
+    /// Product of the scales of all corrections since the insertion of the removed keyframe.
+    pub(crate) scale: f64,
 }
 
 impl Default for Map {
@@ -53,7 +56,7 @@ impl Map {
         Map {
             keyframes: Arena::new(),
             points: Arena::new(),
-            root: None,
+            roots: Vec::new(),
             revision: 0,
             first_young: Vec::new(),
         }
@@ -115,11 +118,6 @@ impl Map {
         self.keyframes.iter().next_back().map(|(id, _)| id)
     }
 
-    /// Root of the spanning tree: the first keyframe.
-    pub fn root(&self) -> Option<KeyframeId> {
-        self.root
-    }
-
     /// The point is on probation, see [`PROBATION_KEYFRAMES`].
     pub fn is_young(&self, point: &MapPoint) -> bool {
         point.created_by.index() + PROBATION_KEYFRAMES >= self.keyframes.len()
@@ -144,7 +142,7 @@ impl Map {
 
     /// The living keyframe that carries a keyframe's pose, and the pose `removed_from_alive` relative to it (identity
     /// for a living one), so that `cam_from_world = removed_from_alive * alive.cam_from_world`; `None` if the id was
-    /// never given out.
+    /// never given out. Poses relative to the removed one have the scale of [`scale_of`](Self::scale_of) it.
     pub fn resolve_keyframe(&self, keyframe: KeyframeId) -> Option<(KeyframeId, SE3)> {
         let mut id = keyframe;
         let mut removed_from_id = SE3::identity();

@@ -24,19 +24,20 @@ impl Map {
     /// subtrees are disjoint. [`resolve_keyframe`](Map::resolve_keyframe) leads to the parent.
     ///
     /// # Errors
-    /// The keyframe does not exist or is the root.
+    /// The keyframe does not exist or is the root of a sub-map.
     pub fn remove_keyframe(&mut self, id: KeyframeId) -> Result<Removed, MapError> {
         let keyframe = self.need_keyframe(id)?;
         let parent = keyframe.parent.ok_or(MapError::RemoveRoot { keyframe: id })?;
         let world_from_parent = self.keyframes.live(parent).cam_from_world.inverse();
         let removed_from_parent = keyframe.cam_from_world * world_from_parent;
+        let scale = keyframe.scale;
 
         let points = self.forget_observations(id);
         for other in std::mem::take(&mut self.keyframes.live_mut(id).loop_edges) {
             remove_sorted(&mut self.keyframes.live_mut(other).loop_edges, id);
         }
         let reparented = self.reparent_children(id, parent);
-        self.keyframes.remove(id, Some(RemovedKeyframe { parent, removed_from_parent }));
+        self.keyframes.remove(id, Some(RemovedKeyframe { parent, removed_from_parent, scale }));
         self.revision += 1;
         Ok(Removed { points, reparented })
     }

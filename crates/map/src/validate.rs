@@ -34,6 +34,15 @@ pub(crate) fn valid_position(point: PointId, position: &Vec3) -> Result<(), MapE
     if is_sane(position) { Ok(()) } else { Err(MapError::Position { point }) }
 }
 
+/// A scale is a positive finite number.
+pub(crate) fn is_scale(scale: f64) -> bool {
+    scale > 0.0 && scale.is_finite()
+}
+
+pub(crate) fn valid_scale(keyframe: KeyframeId, scale: f64) -> Result<(), MapError> {
+    if is_scale(scale) { Ok(()) } else { Err(MapError::Scale { keyframe, scale }) }
+}
+
 /// The first id that occurs twice.
 pub(crate) fn find_twice<T: Ord + Copy>(ids: impl Iterator<Item = T>) -> Option<T> {
     let mut sorted: Vec<T> = ids.collect();

@@ -1,4 +1,4 @@
-//! Covisibility, spanning tree and loop edges, recounted.
+//! Covisibility, spanning trees and loop edges, recounted.
 
 use super::Violation;
 use crate::ids::Id;
@@ -47,8 +47,8 @@ impl Map {
     pub(super) fn check_tree(&self, found: &mut Vec<Violation>) {
         let parentless: Vec<KeyframeId> =
             self.keyframes.iter().filter(|(_, k)| k.parent().is_none()).map(|(id, _)| id).collect();
-        if parentless.iter().copied().ne(self.root()) {
-            found.push(Violation::Root { root: self.root(), parentless });
+        if parentless != self.roots() {
+            found.push(Violation::Roots { roots: self.roots().to_vec(), parentless });
         }
         for (id, keyframe) in self.keyframes.iter() {
             if let Some(parent) = keyframe.parent() {

@@ -2,7 +2,7 @@
 
 use super::Violation;
 use crate::derived::{representative_descriptor, viewing_geometry};
-use crate::validate::{is_sane, pose_defect};
+use crate::validate::{is_sane, is_scale, pose_defect};
 use crate::{Map, MapPoint, PointId};
 
 impl Map {
@@ -16,6 +16,10 @@ impl Map {
             let removed = self.keyframes.forward(keyframe);
             if let Some(defect) = removed.and_then(|r| pose_defect(&r.removed_from_parent)) {
                 found.push(Violation::Pose { keyframe, defect });
+            }
+            let scale = self.scale_of(keyframe);
+            if !is_scale(scale) {
+                found.push(Violation::Scale { keyframe, scale });
             }
         }
         for (id, point) in self.points.iter() {

@@ -148,11 +148,11 @@ pub enum Violation {
         /// The entry at fault.
         other: KeyframeId,
     },
-    /// Not exactly one keyframe without a parent, or another than the root.
-    #[error("keyframes without a parent are {parentless:?}, the root is {root:?}")]
-    Root {
-        /// The root that the map names.
-        root: Option<KeyframeId>,
+    /// The keyframes without a parent are not the roots.
+    #[error("keyframes without a parent are {parentless:?}, the roots are {roots:?}")]
+    Roots {
+        /// The roots that the map names.
+        roots: Vec<KeyframeId>,
         /// The keyframes that have no parent.
         parentless: Vec<KeyframeId>,
     },
@@ -168,7 +168,7 @@ pub enum Violation {
         /// Whether that one lists the child.
         listed: bool,
     },
-    /// Going from parent to parent does not lead to the root.
+    /// Going from parent to parent does not lead to a root.
     #[error("keyframe {keyframe} is on or behind a cycle of the spanning tree")]
     Cycle {
         /// The keyframe.
@@ -197,6 +197,14 @@ pub enum Violation {
         keyframe: KeyframeId,
         /// What is wrong.
         defect: PoseDefect,
+    },
+    /// The product of the scales of a keyframe, living or removed, is not a positive finite number.
+    #[error("scale of keyframe {keyframe} is {scale}")]
+    Scale {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The scale.
+        scale: f64,
     },
     /// Position, normal or distances of a point are not finite.
     #[error("a number of point {point} is not finite")]

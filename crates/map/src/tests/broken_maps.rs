@@ -144,12 +144,12 @@ fn wrong_covisibility() {
 
 #[test]
 fn a_broken_tree() {
-    let two = Violation::Root { root: Some(K(0)), parentless: vec![K(0), K(5)] };
+    let two = Violation::Roots { roots: vec![K(0)], parentless: vec![K(0), K(5)] };
     expect(two, |m| m.keyframes.live_mut(K(5)).parent = None);
-    let none = Violation::Root { root: Some(K(0)), parentless: vec![] };
+    let none = Violation::Roots { roots: vec![K(0)], parentless: vec![] };
     expect(none, |m| m.keyframes.live_mut(K(0)).parent = Some(K(1)));
-    let other_root = Violation::Root { root: Some(K(1)), parentless: vec![K(0)] };
-    expect(other_root, |m| m.root = Some(K(1)));
+    let other_root = Violation::Roots { roots: vec![K(1)], parentless: vec![K(0)] };
+    expect(other_root, |m| m.roots = vec![K(1)]);
 
     let parent = sound_map().keyframe(K(6)).unwrap().parent().unwrap();
     let silent = Violation::ParentChild { child: K(6), parent: Some(parent), other: parent, listed: false };

@@ -3,11 +3,14 @@
 use geometry::{SE3, SO3, Vec3};
 
 use super::world::*;
-use crate::{Correction, KeyframeId, Map, MapError, PointId, PoseDefect};
+use crate::{Correction, KeyframeCorrection, KeyframeId, Map, MapError, PointId, PoseDefect};
 
 /// Every keyframe of the map moved by one motion, points unlisted.
 fn rigid(map: &Map, new_from_old: &SE3) -> Correction {
-    let keyframes = map.keyframes().map(|k| (k.id, k.cam_from_world * new_from_old.inverse())).collect();
+    let keyframes = map
+        .keyframes()
+        .map(|k| KeyframeCorrection::rigid(k.id, k.cam_from_world * new_from_old.inverse()))
+        .collect();
     Correction { keyframes, seen_revision: map.revision(), ..Correction::default() }
 }
 
@@ -74,7 +77,11 @@ fn a_later_keyframe_follows_its_parent_even_if_the_parent_has_the_larger_id() {
     let new_from_old = random_pose(&mut generator(9));
     let root = KeyframeId(0);
     let pose = map.keyframe(root).unwrap().cam_from_world * new_from_old.inverse();
-    let correction = Correction { keyframes: vec![(root, pose)], seen_revision, ..Correction::default() };
+    let correction = Correction {
+        keyframes: vec![KeyframeCorrection::rigid(root, pose)],
+        seen_revision,
+        ..Correction::default()
+    };
     map.apply_correction(&correction).unwrap();
     for (a, b) in before.keyframes().zip(map.keyframes()) {
         assert!((new_from_old * a.center() - b.center()).norm() < 1e-11);
@@ -87,7 +94,7 @@ fn unlisted_keyframes_of_the_revision_stay_to_the_bit() {
     let mut map = row_of_keyframes(6);
     let before = map.clone();
     let pose = random_pose(&mut generator(4));
-    let keyframes = vec![(KeyframeId(2), pose)];
+    let keyframes = vec![KeyframeCorrection::rigid(KeyframeId(2), pose)];
     let points = vec![(PointId(8), Vec3::new(1.0, 2.0, 3.0))];
     let seen_revision = map.revision();
     map.apply_correction(&Correction { keyframes, points, seen_revision, ..Correction::default() }).unwrap();
@@ -161,7 +168,10 @@ fn one_bad_entry_refuses_the_whole_correction() {
     assert_eq!(try_with(&|c| c.seen_revision = 5), MapError::RevisionAhead { seen: 5, now: 4 });
     let not_seen = MapError::NotSeen { keyframe: KeyframeId(3), inserted_at: 4, seen: 3 };
     assert_eq!(try_with(&|c| c.seen_revision = 3), not_seen);
-    assert_eq!(try_with(&|c| c.keyframes.push((keyframe, SE3::identity()))), no_keyframe);
+    assert_eq!(
+        try_with(&|c| c.keyframes.push(KeyframeCorrection::rigid(keyframe, SE3::identity()))),
+        no_keyframe
+    );
     assert_eq!(try_with(&|c| c.points.push((point, Vec3::zeros()))), no_point);
     assert_eq!(try_with(&|c| c.keyframes.push(c.keyframes[1])), MapError::KeyframeTwice { keyframe: k });
     assert_eq!(try_with(&|c| c.points = vec![(p, Vec3::x()); 2]), MapError::PointTwice { point: p });
@@ -169,7 +179,10 @@ fn one_bad_entry_refuses_the_whole_correction() {
     assert_eq!(try_with(&|c| c.points.push((p, nan))), MapError::Position { point: p });
     let defect = PoseDefect::NotFinite;
     let bad_pose = SE3::new(SO3::identity(), nan);
-    assert_eq!(try_with(&|c| c.keyframes[1].1 = bad_pose), MapError::Pose { keyframe: k, defect });
+    assert_eq!(
+        try_with(&|c| c.keyframes[1].cam_from_world = bad_pose),
+        MapError::Pose { keyframe: k, defect }
+    );
     assert_eq!(try_with(&|c| c.merged = vec![(p, point)]), no_point);
     assert_eq!(try_with(&|c| c.merged = vec![(point, p)]), no_point);
     assert_eq!(try_with(&|c| c.merged = vec![(p, p)]), MapError::MergeWithItself { point: p });
@@ -186,7 +199,7 @@ fn a_follower_thrown_out_of_range_refuses_the_correction() {
     let seen_revision = map.revision();
     add(&mut map, &[], &[]);
     map.set_estimates(&[(KeyframeId(1), far(0.0)), (KeyframeId(2), far(9e11))], &[]).unwrap();
-    let keyframes = vec![(KeyframeId(1), far(9e11))];
+    let keyframes = vec![KeyframeCorrection::rigid(KeyframeId(1), far(9e11))];
     let correction = Correction { keyframes, seen_revision, ..Correction::default() };
     let error = refused(&mut map, |m| m.apply_correction(&correction));
     assert_eq!(error, MapError::Pose { keyframe: KeyframeId(2), defect: PoseDefect::NotFinite });

@@ -4,7 +4,7 @@ use features::Descriptor;
 use geometry::{Mat3, SE3, SO3, Vec3};
 
 use super::world::*;
-use crate::{Batch, KeyframeId, Map, MapError, NewKeyframe, NewPoint, PointId, PoseDefect};
+use crate::{Batch, KeyframeId, Map, MapError, NewKeyframe, NewPoint, Parent, PointId, PoseDefect};
 
 #[test]
 fn ids_are_dense_and_the_caller_can_predict_them() {
@@ -52,7 +52,8 @@ fn a_parent_can_be_given_and_is_the_newest_if_nothing_is_shared() {
     let mut map = row_of_keyframes(3);
     let lonely = add(&mut map, &[], &[]);
     assert_eq!(map.keyframe(lonely).unwrap().parent(), Some(KeyframeId(2)));
-    let keyframe = Some(NewKeyframe { parent: Some(KeyframeId(1)), ..new_keyframe(&map, &[(0, 9)]) });
+    let keyframe =
+        Some(NewKeyframe { parent: Parent::Under(KeyframeId(1)), ..new_keyframe(&map, &[(0, 9)]) });
     let given = map.insert(Batch { keyframe, points: vec![] }).unwrap().keyframe.unwrap();
     assert_eq!(map.keyframe(given).unwrap().parent(), Some(KeyframeId(1)));
     assert_eq!(map.check(), Ok(()));
@@ -96,7 +97,7 @@ fn derived_data_have_the_values_of_their_definition() {
         let frame = frame_of(0, &[(3, descriptors[i])]);
         let cam_from_world = SE3::new(SO3::identity(), -centers[i]);
         let matches = if i == 0 { vec![] } else { vec![(0, PointId(0))] };
-        let keyframe = Some(NewKeyframe { frame, cam_from_world, matches, parent: None });
+        let keyframe = Some(NewKeyframe { frame, cam_from_world, matches, parent: Parent::Closest });
         let point = NewPoint { position: Vec3::new(0.0, 0.0, 8.0), observations: vec![at(0, 0)] };
         let points = if i == 0 { vec![point] } else { vec![] };
         map.insert(Batch { keyframe, points }).unwrap();
@@ -163,7 +164,7 @@ fn a_batch_with_a_bad_id_or_feature_is_refused_whole() {
     let k = with(&map, &[(0, 1)]);
     let error = refused_batch(&mut map, k, &[&[(3, 1), (2, 30)], &[(3, 0)]]);
     assert_eq!(error, MapError::FeatureTwice { keyframe, feature: 0 });
-    let k = with(&map, &[]).map(|k| NewKeyframe { parent: Some(keyframe), ..k });
+    let k = with(&map, &[]).map(|k| NewKeyframe { parent: Parent::Under(keyframe), ..k });
     assert_eq!(refused_batch(&mut map, k, &[]), MapError::NoKeyframe { keyframe, next: keyframe });
     let k = with(&map, &[]);
     assert_eq!(

@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::world::*;
 use crate::{
-    Batch, Correction, KeyframeId, Map, MapError, NewKeyframe, NewPoint, Observation, PointCount, PointId,
+    Batch, Correction, KeyframeCorrection, KeyframeId, Map, MapError, NewKeyframe, NewPoint, Observation,
+    Parent, PointCount, PointId,
 };
 
 /// The kinds of steps; `Batch` without and with a keyframe are two.
@@ -85,10 +86,21 @@ impl Chooser<'_> {
             let mut known = std::collections::BTreeSet::new();
             matches.retain(|_, p| known.insert(*p));
         }
-        let parent = self.random.random_bool(0.1).then(|| self.keyframe());
+        let parent = match self.random.random_range(0..10) {
+            0 => Parent::Under(self.keyframe()),
+            1 => Parent::NewSubmap,
+            _ => Parent::Closest,
+        };
+        if parent == Parent::NewSubmap && self.random.random_bool(0.9) {
+            matches.clear();
+        }
         let matches = matches.into_iter().collect();
         let keyframe = NewKeyframe { matches, parent, ..new_keyframe(self.map, &[]) };
-        let points = self.new_points(4, Some(self.map.next_keyframe_id()));
+        let mut points = self.new_points(4, Some(self.map.next_keyframe_id()));
+        if parent == Parent::NewSubmap && self.random.random_bool(0.9) {
+            let own = self.map.next_keyframe_id();
+            points.iter_mut().for_each(|p| p.observations.retain(|o| o.keyframe == own));
+        }
         Batch { keyframe: Some(keyframe), points }
     }
 
@@ -109,17 +121,25 @@ impl Chooser<'_> {
     fn correction(&mut self) -> Correction {
         let now = self.map.revision();
         let seen_revision = self.random.random_range(now.saturating_sub(30)..=now);
-        let mut keyframes = self.poses();
+        let mut poses = self.poses();
         if self.random.random_bool(0.8) {
-            keyframes
-                .retain(|(id, _)| self.map.keyframe(*id).is_some_and(|k| k.inserted_at <= seen_revision));
+            poses.retain(|(id, _)| self.map.keyframe(*id).is_some_and(|k| k.inserted_at <= seen_revision));
         }
+        let keyframes = poses
+            .into_iter()
+            .map(|(keyframe, cam_from_world)| {
+                let scale = [1.0, self.random.random_range(0.5..2.0)][self.random.random_range(0..2)];
+                KeyframeCorrection { keyframe, cam_from_world, scale }
+            })
+            .collect();
+        let n_joined = [0, 0, 1, 2][self.random.random_range(0..4)];
         let n_merged = self.random.random_range(0..4);
         let n_edges = self.random.random_range(0..2);
         Correction {
             keyframes,
             points: self.positions(),
             seen_revision,
+            joined: (0..n_joined).map(|_| (self.keyframe(), self.keyframe())).collect(),
             merged: (0..n_merged).map(|_| (self.point(), self.point())).collect(),
             loop_edges: (0..n_edges).map(|_| (self.keyframe(), self.keyframe())).collect(),
         }

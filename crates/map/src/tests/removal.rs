@@ -3,7 +3,7 @@
 use geometry::SE3;
 
 use super::world::*;
-use crate::{Correction, KeyframeId, Map, MapError, PointId};
+use crate::{Correction, KeyframeId, Map, MapError, Parent, PointId};
 
 fn largest_entry(a: &SE3, b: &SE3) -> f64 {
     a.rows_3x4().iter().zip(b.rows_3x4()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
@@ -32,7 +32,8 @@ fn children_go_to_whom_they_share_most_with_and_never_into_a_cycle() {
     add(&mut map, &[(0, 2), (1, 3), (2, 4), (3, 1)], &[]); // shares 3 with 1, 1 with 0
     add(&mut map, &[(0, 2), (1, 3), (2, 4), (3, 5), (4, 6)], &[]); // shares 5 with 1, 3 with 2
     add(&mut map, &[], &[]);
-    let keyframe = Some(crate::NewKeyframe { parent: Some(KeyframeId(1)), ..new_keyframe(&map, &[]) });
+    let keyframe =
+        Some(crate::NewKeyframe { parent: Parent::Under(KeyframeId(1)), ..new_keyframe(&map, &[]) });
     map.insert(crate::Batch { keyframe, points: vec![] }).unwrap(); // 5 shares nothing
     assert_eq!(map.keyframe(KeyframeId(1)).unwrap().children(), ids(&[2, 3, 5]));
     let removed = map.remove_keyframe(KeyframeId(1)).unwrap();

@@ -7,7 +7,7 @@ use geometry::{Distortion, Pinhole, SE3, StereoRig, Vec3, Vec6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{Batch, KeyframeId, Map, NewKeyframe, NewPoint, Observation, PointId};
+use crate::{Batch, KeyframeId, Map, NewKeyframe, NewPoint, Observation, Parent, PointId};
 
 /// Features of every frame that these tests make.
 pub(super) const N_FEATURES: u32 = 40;
@@ -70,7 +70,7 @@ pub(super) fn new_keyframe(map: &Map, matches: &[(u32, u32)]) -> NewKeyframe {
         frame: frame(index),
         cam_from_world: random_pose(&mut generator(1_000 + u64::from(index))),
         matches: matches.iter().map(|&(feature, point)| (feature, PointId(point))).collect(),
-        parent: None,
+        parent: Parent::Closest,
     }
 }
 

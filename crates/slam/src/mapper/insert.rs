@@ -2,7 +2,7 @@
 
 use features::Frame;
 use geometry::{SE3, Vec3};
-use map::{Batch, KeyframeId, NewKeyframe, NewPoint, Observation, PointId};
+use map::{Batch, KeyframeId, NewKeyframe, NewPoint, Observation, Parent, PointId};
 
 use super::Mapper;
 use crate::tracker::KeyframeRequest;
@@ -37,7 +37,7 @@ impl Mapper {
                 frame: request.frame.clone(),
                 cam_from_world,
                 matches,
-                parent: None,
+                parent: Parent::Closest,
             }),
             points,
         };
