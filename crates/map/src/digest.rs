@@ -1,6 +1,6 @@
 //! `digest`: one number for the whole content of a map, to compare maps bit for bit.
 
-use features::{Frame, Rig};
+use features::{Frame, Rig, ScaleLevels};
 use geometry::{Distortion, Pinhole, SE3, Vec3};
 
 use crate::ids::Id;
@@ -53,8 +53,9 @@ impl Hasher {
         self.word(u64::from(frame.index));
         self.float(frame.timestamp_s);
         self.rig(&frame.rig);
-        self.float(f64::from(frame.scales.factor));
-        [&frame.scales.scales, &frame.scales.sigma_sq].into_iter().for_each(|v| self.floats(v));
+        let ScaleLevels { factor, scales, sigma_sq, inv_sigma_sq } = &*frame.scales;
+        self.float(f64::from(*factor));
+        [scales, sigma_sq, inv_sigma_sq].into_iter().for_each(|v| self.floats(v));
         self.word(frame.len() as u64);
         for k in &frame.keypoints {
             let bits = [k.x, k.y, k.angle_deg, k.response].map(|x| u64::from(x.to_bits()));

@@ -47,6 +47,8 @@ fn broken_forwarding() {
     removed.removed_from_parent.translation.x = f64::NAN;
     let pose = Violation::Pose { keyframe: K(3), defect: PoseDefect::NotFinite };
     expect(pose, |m| m.keyframes.remove(K(3), Some(removed)));
+    let scale = Violation::Scale { keyframe: K(3), scale: -1.0 };
+    expect(scale, |m| m.keyframes.forward_mut(K(3)).unwrap().scale = -1.0);
 }
 
 #[test]
@@ -148,6 +150,10 @@ fn a_broken_tree() {
     expect(two, |m| m.keyframes.live_mut(K(5)).parent = None);
     let none = Violation::Roots { roots: vec![K(0)], parentless: vec![] };
     expect(none, |m| m.keyframes.live_mut(K(0)).parent = Some(K(1)));
+    let lost = Violation::Roots { roots: vec![], parentless: vec![K(0)] };
+    expect(lost, |m| m.roots.clear());
+    let one_more = Violation::Roots { roots: vec![K(0), K(5)], parentless: vec![K(0)] };
+    expect(one_more, |m| m.roots.push(K(5)));
     let other_root = Violation::Roots { roots: vec![K(1)], parentless: vec![K(0)] };
     expect(other_root, |m| m.roots = vec![K(1)]);
 
@@ -193,6 +199,9 @@ fn bad_numbers() {
         m.keyframes.live_mut(K(1)).cam_from_world.rotation =
             SO3::from_matrix_unchecked(Mat3::identity() * 2.0);
     });
+    let scale = |scale| Violation::Scale { keyframe: K(1), scale };
+    expect(scale(0.0), |m| m.keyframes.live_mut(K(1)).scale = 0.0);
+    expect(scale(f64::INFINITY), |m| m.keyframes.live_mut(K(1)).scale = f64::INFINITY);
     let numbers = Violation::PointNumbers { point: P(1) };
     expect(numbers.clone(), |m| m.points.live_mut(P(1)).position.x = f64::NAN);
     expect(numbers.clone(), |m| m.points.live_mut(P(1)).normal.x = f64::NAN);

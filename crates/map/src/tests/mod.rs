@@ -7,5 +7,7 @@ mod insertion;
 mod observations;
 mod random_mutations;
 mod removal;
+mod scale;
 mod snapshots;
+mod submaps;
 mod world;

@@ -200,19 +200,34 @@ fn kind_of(number: u64) -> usize {
     kind
 }
 
+/// A map after that many random mutations.
+pub(super) fn random_map(seed: u64, n_steps: u64) -> Map {
+    let mut map = row_of_keyframes(4);
+    for i in 0..n_steps {
+        let number = geometry::mix_seed(seed, i, 0);
+        let _ = step(&mut map, kind_of(number), geometry::mix_seed(seed, i, 1));
+    }
+    map
+}
+
 #[test]
 fn two_thousand_random_mutations_keep_every_invariant() {
     let mut map = Map::new();
     let mut accepted = [0; KINDS.len()];
     let mut refused = [0; KINDS.len()];
     let mut largest = (0, 0);
+    let (mut n_roots, mut n_submaps, mut n_joins) = (0, 0, 0);
     for i in 0..2_000 {
         let kind = if map.n_keyframes() < 3 { 0 } else { kind_of(geometry::mix_seed(1, i, 0)) };
         let was_accepted = checked_step(&mut map, kind, geometry::mix_seed(2, i, kind as u64));
         let count = if was_accepted { &mut accepted } else { &mut refused };
         count[kind] += 1;
         largest = largest.max((map.n_points(), map.n_keyframes()));
+        n_submaps = n_submaps.max(map.roots().len());
+        n_joins += usize::from(map.roots().len() < n_roots);
+        n_roots = map.roots().len();
     }
+    assert!(n_submaps > 3 && n_joins > 10, "at most {n_submaps} sub-maps, {n_joins} joins");
     for (kind, name) in KINDS.iter().enumerate() {
         assert!(
             accepted[kind] >= 20 && refused[kind] >= 1,

@@ -72,6 +72,18 @@ fn the_digest_sees_every_field() {
     assert!(differs(&|m| m.keyframes.live_mut(k).children.push(k)));
     assert!(differs(&|m| m.keyframes.live_mut(k).loop_edges.push(k)));
     assert!(differs(&|m| m.keyframes.live_mut(k).frame = frame(77)));
+    assert!(differs(&|m| m.keyframes.live_mut(k).scale = 2.0));
+    assert!(differs(&|m| m.roots.push(k)));
+    let in_frame = |change: &dyn Fn(&mut features::Frame)| {
+        differs(&|m| change(Arc::make_mut(&mut m.keyframes.live_mut(k).frame)))
+    };
+    assert!(in_frame(&|f| f.timestamp_s += 1.0));
+    assert!(in_frame(&|f| f.activation[3] = 0.5));
+    assert!(in_frame(&|f| Arc::make_mut(&mut f.rig).stereo.baseline_m += 0.1));
+    assert!(in_frame(&|f| Arc::make_mut(&mut f.rig).distortion.k3 = 0.1));
+    assert!(in_frame(&|f| Arc::make_mut(&mut f.rig).height += 1));
+    assert!(in_frame(&|f| f.scales = Arc::new(features::ScaleLevels::new(8, 1.3))));
+    assert!(in_frame(&|f| Arc::make_mut(&mut f.scales).inv_sigma_sq[1] = 0.1));
     assert!(differs(&|m| m.points.remove(p, None)));
     let forwarded = |to| {
         let mut other = map.clone();
