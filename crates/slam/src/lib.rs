@@ -7,19 +7,23 @@
 
 mod assign;
 mod calibrate;
+mod guided;
 pub mod loops;
 pub mod lost;
 pub mod mapper;
 mod noise;
-mod places;
 pub mod params;
+mod places;
+mod pose;
 pub mod probe;
 pub mod tracker;
 mod visibility;
 mod world;
 
 pub use calibrate::{OffsetEstimate, estimate_disparity_offset};
-pub use loops::{GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, LoopReport, NoLoop, adjust_globally};
+pub use loops::{
+    GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, LoopReport, NoLoop, adjust_globally,
+};
 pub use lost::{Lost, NotReady};
 pub use mapper::{Mapper, MappingReport};
 pub use params::{LoopParams, MappingParams, Params, TrackingParams};

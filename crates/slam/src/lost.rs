@@ -72,6 +72,8 @@ pub enum NotReady {
         /// All features of this frame.
         features: usize,
     },
+    /// The keyframe that starts the map is not in it yet.
+    MapStarting,
 }
 
 impl fmt::Display for NotReady {
@@ -81,6 +83,7 @@ impl fmt::Display for NotReady {
                 f,
                 "the map cannot start: {found} of {features} features have a depth, {needed} are needed"
             ),
+            NotReady::MapStarting => f.write_str("the map is being started"),
         }
     }
 }

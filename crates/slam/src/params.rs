@@ -71,6 +71,32 @@ pub struct MappingParams {
 pub struct LoopParams {
     /// Whether loops are looked for.
     pub enabled: bool,
+    /// Whether the scale can drift: monocular cameras.
+    pub with_scale: bool,
+    /// Keyframes that must have come since the start and since the last loop.
+    pub min_gap: usize,
+    /// Shared points from which a neighbour certainly sees the same place.
+    pub min_covisible_weight: u32,
+    /// Keyframes in a row, before the present one, from which the place must have looked alike.
+    pub consistency: usize,
+    /// Descriptor matches that a candidate needs.
+    pub min_matches: usize,
+    /// Of those, matches that one motion must explain.
+    pub min_ransac_inliers: usize,
+    /// Points of the earlier visit that the refined motion must find.
+    pub min_inliers: usize,
+    /// Share of the points that should be visible that it must find.
+    pub min_inlier_share: f64,
+    /// Drift that is expected, metres per metre of path (standard deviation).
+    pub drift_sigma: f64,
+    /// Drift that is believed at all when places are looked for, metres per metre of path.
+    pub max_drift: f64,
+    /// Added to it: how far two views of one place can be apart, metres.
+    pub prior_margin_m: f64,
+    /// Shared points from which covisibility is an edge of the pose graph.
+    pub essential_weight: u32,
+    /// Iterations of the global bundle adjustment.
+    pub global_iterations: usize,
 }
 
 /// All parameters of the SLAM steps.
@@ -121,7 +147,22 @@ impl Params {
                 close_depth_m,
                 min_depth_points: 100,
             },
-            loops: LoopParams { enabled: true },
+            loops: LoopParams {
+                enabled: true,
+                with_scale: false,
+                min_gap: 10,
+                min_covisible_weight: 15,
+                consistency: 3,
+                min_matches: 20,
+                min_ransac_inliers: 20,
+                min_inliers: 40,
+                min_inlier_share: 0.1,
+                drift_sigma: 0.01,
+                max_drift: 0.05,
+                prior_margin_m: close_depth_m,
+                essential_weight: 100,
+                global_iterations: 10,
+            },
             feature_sigma_px: STEREO_SIGMA_PX,
             seed: 0,
         }
@@ -133,6 +174,8 @@ impl Params {
         params.tracking.motion_radius_px = 15.0;
         params.tracking.local_radius_factor = 3.0;
         params.feature_sigma_px = RGBD_SIGMA_PX;
+        params.loops.drift_sigma = 0.02;
+        params.loops.max_drift = 0.1;
         params
     }
 }

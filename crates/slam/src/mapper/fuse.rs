@@ -48,7 +48,7 @@ impl Mapper {
     }
 
     /// Projects `points` into `target`: a feature that holds another point merges the two, a free one is linked.
-    fn fuse_into(&mut self, target: KeyframeId, points: &[PointId]) -> usize {
+    pub(super) fn fuse_into(&mut self, target: KeyframeId, points: &[PointId]) -> usize {
         let Some(keyframe) = self.world.map.keyframe(target) else { return 0 };
         let found = find_duplicates(&self.world.map, keyframe, points);
         let mut changed = 0;

@@ -99,9 +99,13 @@ impl Mapper {
             fixed[oldest] = true;
         }
         let rig: StereoRig = center.frame.rig.stereo;
-        let cameras =
-            keyframes.iter().filter_map(|&id| self.world.map.keyframe(id)).map(|kf| kf.cam_from_world).collect();
-        let positions = points.iter().filter_map(|&id| self.world.map.point(id)).map(|p| p.position).collect();
+        let cameras = keyframes
+            .iter()
+            .filter_map(|&id| self.world.map.keyframe(id))
+            .map(|kf| kf.cam_from_world)
+            .collect();
+        let positions =
+            points.iter().filter_map(|&id| self.world.map.point(id)).map(|p| p.position).collect();
         let problem = BundleProblem { rig, cameras, fixed, points: positions, observations };
         Some(LocalProblem { problem, keyframes, points })
     }

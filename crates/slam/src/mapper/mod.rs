@@ -1,10 +1,10 @@
 //! Mapping: the one writer of the map. Inserts keyframes at once, then does the slow work on them.
 
+mod close_loop;
 mod cull_keyframes;
 mod cull_points;
 mod fuse;
 mod insert;
-mod close_loop;
 mod local_bundle;
 mod triangulate;
 mod two_view;

@@ -27,7 +27,8 @@ impl Mapper {
     }
 
     fn triangulate_with(&mut self, keyframe: KeyframeId, neighbour: KeyframeId) -> usize {
-        let (Some(a), Some(b)) = (self.world.map.keyframe(keyframe), self.world.map.keyframe(neighbour)) else {
+        let (Some(a), Some(b)) = (self.world.map.keyframe(keyframe), self.world.map.keyframe(neighbour))
+        else {
             return 0;
         };
         let (view_a, view_b) = (View::new(a), View::new(b));

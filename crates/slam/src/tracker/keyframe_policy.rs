@@ -79,6 +79,9 @@ impl Tracker {
         local: &LocallyTracked,
         mapper_idle: bool,
     ) -> Option<KeyframeReason> {
+        if self.params.tracking.localize_only {
+            return None;
+        }
         let n_keyframes = map.n_keyframes();
         let min_observations = if n_keyframes <= 2 { MIN_OBSERVATIONS - 1 } else { MIN_OBSERVATIONS };
         let reference_points = map.keyframe(local.reference).map_or(0, |kf| {

@@ -27,14 +27,17 @@ impl LastFrame {
         LastFrame { frame, reference, cam_from_reference, matches: matches.to_vec() }
     }
 
-    /// The frame that becomes the first keyframe of a map.
-    pub(crate) fn first(frame: Arc<Frame>) -> Self {
-        LastFrame {
-            frame,
-            reference: KeyframeId(0),
+    /// The newest keyframe, if it is this frame.
+    pub(crate) fn of_newest_keyframe(map: &Map, frame: &Arc<Frame>) -> Option<Self> {
+        let newest = map.newest_keyframe().and_then(|id| map.keyframe(id));
+        let keyframe = newest.filter(|kf| Arc::ptr_eq(&kf.frame, frame))?;
+        let shown = keyframe.points().iter().zip(0..);
+        Some(LastFrame {
+            frame: keyframe.frame.clone(),
+            reference: keyframe.id,
             cam_from_reference: SE3::identity(),
-            matches: Vec::new(),
-        }
+            matches: shown.filter_map(|(point, feature)| Some((feature, (*point)?))).collect(),
+        })
     }
 
     /// Time from this frame to `frame`, seconds.
@@ -56,20 +59,8 @@ impl LastFrame {
     /// Follows what happened in the map since: removed keyframes, merged and removed points, and the frame itself
     /// having become a keyframe with new points.
     pub(crate) fn refreshed(mut self, map: &Map) -> Self {
-        if let Some(keyframe) = map
-            .newest_keyframe()
-            .and_then(|id| map.keyframe(id))
-            .filter(|kf| kf.frame.index == self.frame.index)
-        {
-            self.reference = keyframe.id;
-            self.cam_from_reference = SE3::identity();
-            self.matches = keyframe
-                .points()
-                .iter()
-                .enumerate()
-                .filter_map(|(feature, point)| point.map(|point| (feature as u32, point)))
-                .collect();
-            return self;
+        if let Some(keyframe) = LastFrame::of_newest_keyframe(map, &self.frame) {
+            return keyframe;
         }
         if let Some((alive, removed_from_alive)) = map.resolve_keyframe(self.reference)
             && alive != self.reference

@@ -7,10 +7,10 @@ use geometry::SE3;
 use map::{KeyframeId, Map, PointCount, PointId};
 use rayon::prelude::*;
 
-use super::pose::{RefinedPose, refine};
 use super::predict::{MAX_DISTANCE_WIDE, Prediction};
 use crate::assign::one_to_one;
 use crate::params::{Params, TrackingParams};
+use crate::pose::{RefinedPose, refine};
 use crate::visibility::{Projection, project_visible};
 
 /// Best over second-best distance, asked for when both are on the same octave.

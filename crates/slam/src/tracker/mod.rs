@@ -3,9 +3,10 @@
 mod keyframe_policy;
 mod last_frame;
 mod local_map;
-mod pose;
+
 mod predict;
 mod recover;
+mod relocalise;
 mod velocity;
 
 use std::sync::Arc;
@@ -30,7 +31,7 @@ use velocity::Velocity;
 pub enum TrackState {
     /// There is no map yet, and this frame cannot start one.
     NotReady(NotReady),
-    /// This frame starts the map.
+    /// This frame starts the map, or after a lasting loss a new sub-map.
     Started,
     /// The frame has a pose.
     Tracked,
@@ -53,6 +54,8 @@ pub struct TrackStats {
     pub inliers: usize,
     /// Whether the motion model failed and the reference keyframe or recovery gave the prediction.
     pub without_motion_model: bool,
+    /// Whether the place index gave the prediction.
+    pub relocalised: bool,
 }
 
 /// A request to insert a keyframe; poses are relative, so that a map that changed meanwhile moves them along.
@@ -60,9 +63,9 @@ pub struct TrackStats {
 pub struct KeyframeRequest {
     /// The frame to insert.
     pub frame: Arc<Frame>,
-    /// The keyframe that its pose refers to; `None` for the first keyframe.
+    /// The keyframe that its pose refers to; `None` for the first keyframe of a sub-map.
     pub reference: Option<KeyframeId>,
-    /// Pose relative to the reference (of the world for the first keyframe).
+    /// Pose relative to the reference (to the world for the first keyframe of a sub-map).
     pub cam_from_reference: SE3,
     /// Matches of features with map points, sorted by feature.
     pub matches: Vec<(u32, PointId)>,
@@ -92,6 +95,10 @@ pub struct Tracked {
 pub struct Tracker {
     params: Params,
     last: Option<LastFrame>,
+    /// The frame that was handed over to start a sub-map and is not seen in the map yet.
+    starting: Option<Arc<Frame>>,
+    /// Frames in a row that are lost although a map could be started with them.
+    lost_frames: u32,
     /// How the camera moved between the last two frames; `None` after a start or a loss.
     velocity: Option<Velocity>,
     /// Index of the frame that last became a keyframe.
@@ -99,13 +106,13 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// A tracker that has seen nothing.
+    /// A tracker that has seen nothing. In a world that has keyframes already it begins by relocalisation.
     pub fn new(params: Params) -> Self {
-        Tracker { params, last: None, velocity: None, last_keyframe_index: 0 }
+        Tracker { params, last: None, starting: None, lost_frames: 0, velocity: None, last_keyframe_index: 0 }
     }
 
-    /// Finds the pose of `frame` in the map of `world`. `mapper_idle` says whether mapping waits for work; it must depend on frame
-    /// numbers only where a run has to be repeatable.
+    /// Finds the pose of `frame` in the map of `world`. `mapper_idle` says whether mapping waits for work; it must
+    /// depend on frame numbers only where a run has to be repeatable.
     pub fn track(
         &mut self,
         frame: &Arc<Frame>,
@@ -114,16 +121,40 @@ impl Tracker {
         probe: &mut dyn Probe,
     ) -> Tracked {
         let map = &world.map;
-        let Some(last) = self.last.take().map(|last| last.refreshed(map)) else {
-            return self.start(frame);
-        };
-        let last_cam_from_world = last.cam_from_world(map);
-        let (local, stats) = match self.find_pose(frame, map, &last, probe) {
-            Ok(found) => found,
-            Err(lost) => return self.lose(last, lost),
-        };
-        let seconds = last.seconds_to(frame);
-        self.velocity = Some(Velocity::between(&last_cam_from_world, &local.cam_from_world, seconds));
+        if let Some(started) = &self.starting {
+            let Some(first) = LastFrame::of_newest_keyframe(map, started) else {
+                return not_tracked(TrackState::NotReady(NotReady::MapStarting), None);
+            };
+            self.last = Some(first);
+            self.starting = None;
+        }
+        let last = self.last.take().map(|last| last.refreshed(map));
+        if last.is_none() && map.n_keyframes() == 0 {
+            return self.start(frame, SE3::identity());
+        }
+        match self.find_pose(frame, world, last.as_ref(), probe) {
+            Ok((local, stats)) => self.accept(frame, map, last.as_ref(), local, stats, mapper_idle, probe),
+            Err(lost) => self.lose(frame, map, last, lost),
+        }
+    }
+
+    /// The frame has a pose: remembers it, and decides whether it becomes a keyframe.
+    #[allow(clippy::too_many_arguments, reason = "everything that is known of the frame")]
+    fn accept(
+        &mut self,
+        frame: &Arc<Frame>,
+        map: &Map,
+        last: Option<&LastFrame>,
+        local: LocallyTracked,
+        stats: TrackStats,
+        mapper_idle: bool,
+        probe: &mut dyn Probe,
+    ) -> Tracked {
+        self.lost_frames = 0;
+        self.velocity = last.filter(|_| !stats.relocalised).map(|last| {
+            let seconds = last.seconds_to(frame);
+            Velocity::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
+        });
         let keyframe = staged(probe, Stage::Decide, || self.decide_keyframe(frame, map, &local, mapper_idle))
             .map(|reason| {
                 self.last_keyframe_index = frame.index;
@@ -152,78 +183,89 @@ impl Tracker {
     fn find_pose(
         &self,
         frame: &Frame,
-        map: &Map,
-        last: &LastFrame,
+        world: &World,
+        last: Option<&LastFrame>,
         probe: &mut dyn Probe,
     ) -> Result<(LocallyTracked, TrackStats), Lost> {
-        let attempts = match self.velocity {
-            Some(_) => [Attempt::Motion, Attempt::Recovery],
-            None => [Attempt::Recovery, Attempt::Motion],
+        let attempts = match (last, self.velocity) {
+            (Some(_), Some(_)) => &[Attempt::Motion, Attempt::Recovery, Attempt::Relocalisation][..],
+            (Some(_), None) => &[Attempt::Recovery, Attempt::Motion, Attempt::Relocalisation],
+            (None, _) => &[Attempt::Relocalisation],
         };
+        let map = &world.map;
         let mut reason: Option<Lost> = None;
-        for attempt in attempts {
-            let lost = match staged(probe, Stage::Predict, || self.predict(attempt, frame, map, last)) {
-                Err(lost) => lost,
-                Ok(predicted) => {
-                    let local = staged(probe, Stage::LocalMap, || {
-                        LocalMap::gather(map, &predicted.matches, last.reference, &self.params.tracking)
-                            .track(frame, map, &predicted, &self.params)
-                    });
-                    let (found, needed) = (local.matches.len(), self.params.tracking.min_inliers);
-                    if found >= needed {
-                        let stats = stats_of(&predicted, &local);
-                        return Ok((local, stats));
+        for &attempt in attempts {
+            let lost =
+                match staged(probe, Stage::Predict, || self.predict(attempt, frame, world, last)) {
+                    Err(lost) => lost,
+                    Ok(predicted) => {
+                        let fallback = last.map_or(KeyframeId(0), |last| last.reference);
+                        let local =
+                            staged(probe, Stage::LocalMap, || {
+                                LocalMap::gather(map, &predicted.matches, fallback, &self.params.tracking)
+                                    .track(frame, map, &predicted, &self.params)
+                            });
+                        let (found, needed) = (local.matches.len(), self.params.tracking.min_inliers);
+                        if found >= needed {
+                            let relocalised = attempt == Attempt::Relocalisation;
+                            let stats = TrackStats { relocalised, ..stats_of(&predicted, &local) };
+                            return Ok((local, stats));
+                        }
+                        Lost::TooFewLocalInliers { found, needed }
                     }
-                    Lost::TooFewLocalInliers { found, needed }
-                }
-            };
+                };
             reason = Some(reason.map_or(lost, |earlier| earlier.further(lost)));
         }
         Err(reason
             .unwrap_or(Lost::TooFewMatches { found: 0, needed: self.params.tracking.min_reference_matches }))
     }
 
-    /// Asks for the first keyframe if the frame has enough depth.
-    fn start(&mut self, frame: &Arc<Frame>) -> Tracked {
-        let found = (0..frame.len()).filter(|&feature| frame.has_depth(feature)).count();
-        let needed = self.params.tracking.min_initial_depths;
-        let mut tracked = Tracked {
-            state: TrackState::NotReady(NotReady::TooFewDepths { found, needed, features: frame.len() }),
-            reference: None,
-            cam_from_reference: SE3::identity(),
-            counts: Vec::new(),
-            keyframe: None,
-            stats: TrackStats::default(),
-        };
-        if found >= needed {
-            tracked.state = TrackState::Started;
-            tracked.keyframe = Some(KeyframeRequest {
-                frame: frame.clone(),
-                reference: None,
-                cam_from_reference: SE3::identity(),
-                matches: Vec::new(),
-                reason: KeyframeReason::First,
-            });
-            self.last_keyframe_index = frame.index;
-            self.velocity = None;
-            self.last = Some(LastFrame::first(frame.clone()));
+    /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth.
+    fn start(&mut self, frame: &Arc<Frame>, cam_from_world: SE3) -> Tracked {
+        let (found, needed) = (frame.n_with_depth(), self.params.tracking.min_initial_depths);
+        if found < needed || self.params.tracking.localize_only {
+            let reason = NotReady::TooFewDepths { found, needed, features: frame.len() };
+            return not_tracked(TrackState::NotReady(reason), None);
         }
-        tracked
+        self.last_keyframe_index = frame.index;
+        self.velocity = None;
+        self.last = None;
+        self.lost_frames = 0;
+        self.starting = Some(frame.clone());
+        let request = KeyframeRequest {
+            frame: frame.clone(),
+            reference: None,
+            cam_from_reference: cam_from_world,
+            matches: Vec::new(),
+            reason: KeyframeReason::First,
+        };
+        Tracked { keyframe: Some(request), ..not_tracked(TrackState::Started, None) }
     }
 
-    /// Keeps the last good frame, so that recovery starts from it.
-    fn lose(&mut self, last: LastFrame, lost: Lost) -> Tracked {
+    /// Keeps the last good frame, so that recovery starts from it; after a lasting loss a new sub-map begins where the
+    /// camera was last seen.
+    fn lose(&mut self, frame: &Arc<Frame>, map: &Map, last: Option<LastFrame>, lost: Lost) -> Tracked {
         self.velocity = None;
-        let tracked = Tracked {
-            state: TrackState::Lost(lost),
-            reference: Some(last.reference),
-            cam_from_reference: last.cam_from_reference,
-            counts: Vec::new(),
-            keyframe: None,
-            stats: TrackStats::default(),
-        };
-        self.last = Some(last);
+        let tracking = &self.params.tracking;
+        self.lost_frames += u32::from(frame.n_with_depth() >= tracking.min_initial_depths);
+        if self.lost_frames > tracking.max_lost_frames && !tracking.localize_only {
+            return self.start(frame, last.map_or(SE3::identity(), |last| last.cam_from_world(map)));
+        }
+        let tracked = not_tracked(TrackState::Lost(lost), last.as_ref());
+        self.last = last;
         tracked
+    }
+}
+
+/// The answer for a frame without a pose of its own.
+fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
+    Tracked {
+        state,
+        reference: last.map(|last| last.reference),
+        cam_from_reference: last.map_or(SE3::identity(), |last| last.cam_from_reference),
+        counts: Vec::new(),
+        keyframe: None,
+        stats: TrackStats::default(),
     }
 }
 
@@ -235,5 +277,6 @@ fn stats_of(predicted: &Prediction, local: &LocallyTracked) -> TrackStats {
         matches: local.n_matches,
         inliers: local.matches.len(),
         without_motion_model: predicted.without_motion_model,
+        relocalised: false,
     }
 }

@@ -5,11 +5,12 @@ use geometry::{SE3, Vec3};
 use map::{Map, PointId};
 
 use super::last_frame::LastFrame;
-use super::pose::{RefinedPose, refine_with_positions};
-use super::{Tracker, recover};
+use super::{Tracker, recover, relocalise};
 use crate::assign::one_to_one;
 use crate::lost::Lost;
+use crate::pose::{RefinedPose, refine_with_positions};
 use crate::visibility::project_inside;
+use crate::world::World;
 
 /// Largest descriptor distance of a match by projection (of 256 bits).
 pub(crate) const MAX_DISTANCE_WIDE: u32 = 100;
@@ -33,8 +34,10 @@ pub(crate) struct Prediction {
 pub(super) enum Attempt {
     /// The last frame's points, searched where a constant velocity puts them.
     Motion,
-    /// Descriptors matched against keyframes, without any prediction.
+    /// Descriptors matched against the keyframes around the last one, without any prediction.
     Recovery,
+    /// Descriptors matched against the keyframes that look alike, wherever they are.
+    Relocalisation,
 }
 
 impl Tracker {
@@ -43,12 +46,15 @@ impl Tracker {
         &self,
         attempt: Attempt,
         frame: &Frame,
-        map: &Map,
-        last: &LastFrame,
+        world: &World,
+        last: Option<&LastFrame>,
     ) -> Result<Prediction, Lost> {
-        match attempt {
-            Attempt::Motion => self.predict_by_motion(frame, map, last),
-            Attempt::Recovery => recover::recover(frame, map, last, &self.params).map(Prediction::recovered),
+        match (attempt, last) {
+            (Attempt::Motion, Some(last)) => self.predict_by_motion(frame, &world.map, last),
+            (Attempt::Recovery, Some(last)) => {
+                recover::recover(frame, &world.map, last, &self.params).map(Prediction::recovered)
+            }
+            _ => relocalise::relocalise(frame, world, &self.params).map(Prediction::recovered),
         }
     }
 

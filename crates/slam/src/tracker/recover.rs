@@ -1,13 +1,14 @@
 //! A pose without prediction: descriptors matched against keyframes around the last pose, P3P with weighted RANSAC.
 
 use features::{Descriptor, Frame, consistent_rotations, match_brute_force};
-use geometry::{PnpEstimator, RansacOptions, SE3, Vec3, mix_seed, ransac};
+use geometry::mix_seed;
 use map::{KeyframeId, Map, PointId};
 
 use super::last_frame::LastFrame;
-use super::pose::{RefinedPose, refine};
+use crate::guided::pose_by_ransac;
 use crate::lost::Lost;
 use crate::params::Params;
+use crate::pose::{RefinedPose, refine};
 
 /// Largest descriptor distance of a match that is not guided by a pose.
 const MAX_DISTANCE_STRICT: u32 = 50;
@@ -17,8 +18,6 @@ const MAX_RATIO: f32 = 0.75;
 const MAX_CANDIDATES: usize = 5;
 /// Purpose of the random numbers, so that no two uses share a stream.
 const SEED_PURPOSE: u64 = 1;
-/// Reprojection error squared that RANSAC accepts, in units of the feature's variance (2 degrees of freedom, 95 %).
-const CHI2: f64 = 5.991;
 
 /// Tries keyframes in turn; the first good pose is returned, else the best reason.
 pub(super) fn recover(
@@ -89,23 +88,4 @@ fn match_keyframe(frame: &Frame, map: &Map, keyframe: KeyframeId) -> Vec<(u32, P
         .collect();
     matches.sort_unstable();
     matches
-}
-
-/// Pose by P3P and RANSAC, samples and scores weighted by the features' activation.
-fn pose_by_ransac(frame: &Frame, map: &Map, matches: &[(u32, PointId)], seed: u64) -> Option<SE3> {
-    let mut pixels = Vec::with_capacity(matches.len());
-    let mut points: Vec<Vec3> = Vec::with_capacity(matches.len());
-    let mut thresholds_sq = Vec::with_capacity(matches.len());
-    let mut weights = Vec::with_capacity(matches.len());
-    for &(feature, id) in matches {
-        let Some(point) = map.point(id) else { continue };
-        let i = feature as usize;
-        pixels.push(frame.pixel(i));
-        points.push(point.position);
-        thresholds_sq.push(CHI2 / frame.inv_sigma_sq(i));
-        weights.push(f64::from(frame.activation[i]));
-    }
-    let estimator = PnpEstimator::new(frame.rig.stereo.camera, &pixels, &points, &thresholds_sq);
-    let options = RansacOptions { max_iterations: 300, confidence: 0.99, seed, ..RansacOptions::default() };
-    ransac(&estimator, Some(&weights), &options).map(|found| found.model)
 }

@@ -117,7 +117,10 @@ pub(crate) struct Pair {
 
 impl Pair {
     pub(crate) fn new(params: &Params) -> Self {
-        Pair { tracker: Tracker::new(params.clone()), mapper: Mapper::new(params.clone(), slam::World::default()) }
+        Pair {
+            tracker: Tracker::new(params.clone()),
+            mapper: Mapper::new(params.clone(), slam::World::default()),
+        }
     }
 
     pub(crate) fn step(&mut self, frame: &Arc<Frame>) -> Tracked {

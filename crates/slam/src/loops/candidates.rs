@@ -1,0 +1,94 @@
+//! Which keyframes may show the same place: those that look alike, and those that should be near (orbslam2.md section 5).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use bow::{BowVector, PlaceMatch};
+use map::{KeyframeId, Map};
+
+use super::outcome::NoLoop;
+use super::prior::PositionPrior;
+use crate::params::LoopParams;
+use crate::world::World;
+
+/// A keyframe must share more than this part of the words that the best one shares.
+const MIN_SHARED_WORDS: f64 = 0.8;
+/// Groups with less than this part of the best group's score are dropped.
+const MIN_GROUP_SCORE: f64 = 0.75;
+/// Covisible keyframes whose scores count for a keyframe's group.
+const GROUP_SIZE: usize = 10;
+/// Keyframes that are near by position need this part of the score that appearance alone would need.
+const NEARBY_SCORE: f64 = 0.5;
+/// Keyframes near by position that are looked at.
+const MAX_NEARBY: usize = 2;
+
+/// Keyframes that may show the place of `keyframe`, best first.
+///
+/// # Errors
+/// Why there is none.
+pub(super) fn find(
+    keyframe: KeyframeId,
+    world: &World,
+    params: &LoopParams,
+) -> Result<Vec<KeyframeId>, NoLoop> {
+    let map = &world.map;
+    let (Some(current), Some((bow, _))) = (map.keyframe(keyframe), world.places.of(keyframe)) else {
+        return Err(NoLoop::NoPlaces);
+    };
+    let near: BTreeSet<u32> =
+        current.covisible().iter().map(|(id, _)| id.0).chain(std::iter::once(keyframe.0)).collect();
+    let min_score = lowest_covisible_score(current, bow, world, params.min_covisible_weight);
+    let prior = PositionPrior::new(map, keyframe, params);
+    let alike = world.places.index().query(bow, |id| near.contains(&id) || !prior.allows(KeyframeId(id)));
+    let best_score = alike.first().map_or(0.0, |m| m.score);
+    let mut found = strongest_groups(map, &alike, min_score);
+    let nearby = prior.nearby(MAX_NEARBY, |id| {
+        let similar = |m: &&PlaceMatch| m.keyframe == id.0 && m.score >= NEARBY_SCORE * min_score;
+        !near.contains(&id.0) && alike.iter().any(|m| similar(&m))
+    });
+    found.extend(nearby);
+    let mut once = BTreeSet::new();
+    found.retain(|id| once.insert(*id));
+    if found.is_empty() { Err(NoLoop::Alone { best_score, min_score }) } else { Ok(found) }
+}
+
+/// The lowest score with a keyframe that certainly shows the same place.
+fn lowest_covisible_score(current: &map::Keyframe, bow: &BowVector, world: &World, min_weight: u32) -> f64 {
+    current
+        .covisible_at_least(min_weight)
+        .iter()
+        .filter_map(|&(id, _)| world.places.of(id))
+        .map(|(other, _)| bow.score(other))
+        .fold(1.0, f64::min)
+}
+
+/// The best member of every group whose summed score comes near that of the best group, best first.
+pub(crate) fn strongest_groups(map: &Map, alike: &[PlaceMatch], min_score: f64) -> Vec<KeyframeId> {
+    let most_words = alike.iter().map(|m| m.shared_words).max().unwrap_or(0);
+    let scores: BTreeMap<KeyframeId, f64> = alike
+        .iter()
+        .filter(|m| f64::from(m.shared_words) > MIN_SHARED_WORDS * f64::from(most_words))
+        .filter(|m| map.keyframe(KeyframeId(m.keyframe)).is_some())
+        .map(|m| (KeyframeId(m.keyframe), m.score))
+        .collect();
+    let mut groups: Vec<(f64, KeyframeId)> = scores
+        .iter()
+        .filter(|&(_, &score)| score >= min_score)
+        .filter_map(|(&id, &score)| {
+            let covisible = map.keyframe(id)?.best_covisible(GROUP_SIZE);
+            let members = covisible.iter().filter_map(|&(member, _)| Some((member, *scores.get(&member)?)));
+            let mut best = (score, id);
+            let mut sum = score;
+            for (member, score) in members {
+                sum += score;
+                if score > best.0 {
+                    best = (score, member);
+                }
+            }
+            Some((sum, best.1))
+        })
+        .collect();
+    groups.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let bar = groups.first().map_or(0.0, |best| MIN_GROUP_SCORE * best.0);
+    let mut once = BTreeSet::new();
+    groups.into_iter().filter(|g| g.0 > bar).map(|g| g.1).filter(|id| once.insert(*id)).collect()
+}

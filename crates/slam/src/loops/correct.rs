@@ -1,0 +1,176 @@
+//! From a verified loop to the correction of the map: the test against the path between the visits, then the pose graph,
+//! or the motion of a whole sub-map.
+
+use geometry::{Mat6, Mat7, SE3, Sim3};
+use map::{Correction, KeyframeCorrection, KeyframeId, Map};
+use optim::{PoseGraphEdge, PoseGraphOptions, PoseGraphProblem, refine_pose_graph};
+
+use super::LoopCorrection;
+use super::graph::EssentialGraph;
+use super::outcome::NoLoop;
+use super::prior::submap_members;
+use super::trial;
+use super::verify::Verified;
+use crate::params::Params;
+
+/// Changes of scale beyond this factor are not drift.
+const MAX_SCALE: f64 = 3.0;
+/// Standard deviations of the motion between neighbouring keyframes: a constant part, and per metre or radian of it.
+const SIGMA_M: f64 = 0.005;
+const SIGMA_M_PER_M: f64 = 0.01;
+const SIGMA_RAD: f64 = 5e-4;
+const SIGMA_RAD_PER_M: f64 = 1e-4;
+const SIGMA_RAD_PER_RAD: f64 = 0.01;
+/// Standard deviation of the logarithm of the scale between neighbouring keyframes.
+const SIGMA_LOG_SCALE: f64 = 0.01;
+
+/// The correction that a verified loop asks for.
+///
+/// # Errors
+/// When the loop contradicts the path between the visits or earlier loops.
+pub(super) fn correct(
+    keyframe: KeyframeId,
+    verified: &Verified,
+    map: &Map,
+    params: &Params,
+) -> Result<LoopCorrection, NoLoop> {
+    let scale = verified.scale;
+    if !(scale.is_finite() && scale < MAX_SCALE && scale > 1.0 / MAX_SCALE) {
+        return Err(NoLoop::Scale { scale, limit: MAX_SCALE });
+    }
+    let (Some(here), Some(there)) = (map.keyframe(keyframe), map.keyframe(verified.matched)) else {
+        return Err(NoLoop::NoPlaces);
+    };
+    let joins_submaps = map.submap_of(keyframe) != map.submap_of(verified.matched);
+    let mut correction = if joins_submaps {
+        join(keyframe, verified, map)
+    } else {
+        // `p_here = scale * R * p_there + scale * t`: lengths of the earlier visit become lengths of now.
+        let rigid = verified.cam_from_world * there.cam_from_world.inverse();
+        let here_from_there = Sim3::new(rigid.rotation, rigid.translation * scale, scale);
+        let graph = EssentialGraph::new(map, keyframe, params.loops.essential_weight);
+        trial::test(&graph, map, keyframe, verified.matched, &rigid, params)?;
+        let keyframes = if params.loops.with_scale {
+            solve_similar(&graph, map, keyframe, verified.matched, &here_from_there)
+        } else {
+            solve_rigid(&graph, map, keyframe, verified.matched, &rigid)
+        };
+        Correction { keyframes, ..Correction::default() }
+    };
+    correction.seen_revision = map.revision();
+    correction.loop_edges = vec![(verified.matched, keyframe)];
+    correction.merged = verified
+        .matches
+        .iter()
+        .filter_map(|&(feature, earlier)| Some((earlier, here.point_at(feature)?)))
+        .filter(|(earlier, own)| earlier != own)
+        .collect();
+    Ok(LoopCorrection {
+        keyframe,
+        matched: verified.matched,
+        inliers: verified.matches.len(),
+        moved_m: (verified.cam_from_world.center() - here.center()).norm(),
+        turned_deg: (verified.cam_from_world.rotation * here.cam_from_world.rotation.inverse())
+            .angle()
+            .to_degrees(),
+        scale,
+        joins_submaps,
+        correction,
+        earlier_points: verified.earlier_points.clone(),
+    })
+}
+
+/// Moves the younger of two sub-maps as a whole to where the loop puts it.
+fn join(keyframe: KeyframeId, verified: &Verified, map: &Map) -> Correction {
+    let here_from_world = map.keyframe(keyframe).map_or(SE3::identity(), |kf| kf.cam_from_world);
+    // World of the earlier visit to the world of now: `x_now = scale * R * x_then + t`.
+    let placed = verified.cam_from_world;
+    let now_from_then = Sim3::from(here_from_world).inverse()
+        * Sim3::new(placed.rotation, placed.translation * verified.scale, verified.scale);
+    let earlier_is_older = map.submap_of(verified.matched) < map.submap_of(keyframe);
+    let (moving, under, old_from_new) = if earlier_is_older {
+        (keyframe, verified.matched, now_from_then)
+    } else {
+        (verified.matched, keyframe, now_from_then.inverse())
+    };
+    let keyframes = submap_members(map, moving)
+        .into_iter()
+        .filter_map(|id| map.keyframe(id))
+        .map(|kf| corrected(kf.id, &(Sim3::from(kf.cam_from_world) * old_from_new)))
+        .collect();
+    Correction { keyframes, joined: vec![(moving, under)], ..Correction::default() }
+}
+
+/// A keyframe's pose from `cam_from_world` with a scale: lengths in the camera divided by it are lengths in the world.
+fn corrected(keyframe: KeyframeId, cam_from_world: &Sim3) -> KeyframeCorrection {
+    let scale = cam_from_world.scale;
+    KeyframeCorrection {
+        keyframe,
+        cam_from_world: SE3::new(cam_from_world.rotation, cam_from_world.translation / scale).normalized(),
+        scale: 1.0 / scale,
+    }
+}
+
+/// Variances of translation, rotation and logarithm of scale for a motion.
+fn variances(motion: &SE3) -> [f64; 7] {
+    let (length, angle) = (motion.translation.norm(), motion.rotation.angle());
+    let sigma_m = SIGMA_M + SIGMA_M_PER_M * length;
+    let sigma_rad = SIGMA_RAD + SIGMA_RAD_PER_M * length + SIGMA_RAD_PER_RAD * angle;
+    let (m, rad) = (sigma_m * sigma_m, sigma_rad * sigma_rad);
+    [m, m, m, rad, rad, rad, SIGMA_LOG_SCALE * SIGMA_LOG_SCALE]
+}
+
+fn fixed_root(graph: &EssentialGraph, map: &Map) -> Vec<bool> {
+    graph.nodes.iter().map(|id| map.roots().contains(id)).collect()
+}
+
+fn solve_rigid(
+    graph: &EssentialGraph,
+    map: &Map,
+    here: KeyframeId,
+    there: KeyframeId,
+    here_from_there: &SE3,
+) -> Vec<KeyframeCorrection> {
+    let edge = |a: usize, b: usize, b_from_a: SE3| PoseGraphEdge {
+        a: a as u32,
+        b: b as u32,
+        b_from_a,
+        information: Mat6::from_fn(|i, j| if i == j { 1.0 / variances(&b_from_a)[i] } else { 0.0 }),
+    };
+    let mut edges: Vec<_> = graph.edges.iter().map(|e| edge(e.a, e.b, graph.b_from_a(e))).collect();
+    if let (Some(a), Some(b)) = (graph.index(there), graph.index(here)) {
+        edges.push(edge(a, b, *here_from_there));
+    }
+    let problem =
+        PoseGraphProblem { poses: graph.cam_from_world.clone(), fixed: fixed_root(graph, map), edges };
+    let solution = refine_pose_graph(&problem, &PoseGraphOptions::default());
+    let poses = graph.nodes.iter().zip(solution.poses);
+    poses.map(|(&id, pose)| KeyframeCorrection::rigid(id, pose.normalized())).collect()
+}
+
+fn solve_similar(
+    graph: &EssentialGraph,
+    map: &Map,
+    here: KeyframeId,
+    there: KeyframeId,
+    here_from_there: &Sim3,
+) -> Vec<KeyframeCorrection> {
+    let edge = |a: usize, b: usize, b_from_a: Sim3| {
+        let variances = variances(&SE3::new(b_from_a.rotation, b_from_a.translation));
+        PoseGraphEdge {
+            a: a as u32,
+            b: b as u32,
+            b_from_a,
+            information: Mat7::from_fn(|i, j| if i == j { 1.0 / variances[i] } else { 0.0 }),
+        }
+    };
+    let mut edges: Vec<_> =
+        graph.edges.iter().map(|e| edge(e.a, e.b, Sim3::from(graph.b_from_a(e)))).collect();
+    if let (Some(a), Some(b)) = (graph.index(there), graph.index(here)) {
+        edges.push(edge(a, b, *here_from_there));
+    }
+    let poses = graph.cam_from_world.iter().map(|&pose| Sim3::from(pose)).collect();
+    let problem = PoseGraphProblem { poses, fixed: fixed_root(graph, map), edges };
+    let solution = refine_pose_graph(&problem, &PoseGraphOptions::default());
+    graph.nodes.iter().zip(&solution.poses).map(|(&id, pose)| corrected(id, pose)).collect()
+}

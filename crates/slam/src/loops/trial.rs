@@ -1,0 +1,86 @@
+//! Before a loop may move anything it must agree with the path between its visits and with the loops closed earlier.
+
+use geometry::SE3;
+use map::{KeyframeId, Map};
+use optim::loop_test::{CycleEdge, CycleEdgeKind, LoopTestOptions, LoopVerdict, test_loop};
+
+use super::graph::EssentialGraph;
+use super::outcome::NoLoop;
+use crate::params::{LoopParams, Params};
+
+/// Standard deviations that even the shortest motion has.
+const SIGMA_M: f64 = 0.01;
+const SIGMA_RAD: f64 = 1e-3;
+/// Drift of the rotation, radians per metre of path and per radian turned: three times what stereo odometry shows.
+const SIGMA_RAD_PER_M: f64 = 5e-5;
+const SIGMA_RAD_PER_RAD: f64 = 5e-3;
+/// Standard deviations of the loop's own motion.
+const LOOP_SIGMA_M: f64 = 0.1;
+const LOOP_SIGMA_RAD: f64 = 5e-3;
+
+/// Tests the motion `here_from_there` against spanning tree and loop edges.
+///
+/// # Errors
+/// What contradicts it, with numbers.
+pub(super) fn test(
+    graph: &EssentialGraph,
+    map: &Map,
+    here: KeyframeId,
+    there: KeyframeId,
+    here_from_there: &SE3,
+    params: &Params,
+) -> Result<(), NoLoop> {
+    let (Some(here), Some(there)) = (graph.index(here), graph.index(there)) else {
+        return Err(NoLoop::NoPlaces);
+    };
+    // Drift is systematic: over a cycle of n edges it grows with n, not with its square root.
+    let growth = (path_length(graph, map, here, there) as f64).sqrt();
+    let mut edges = Vec::with_capacity(graph.nodes.len());
+    for (child, &id) in graph.nodes.iter().enumerate() {
+        let parent = map.keyframe(id).and_then(map::Keyframe::parent).and_then(|id| graph.index(id));
+        let Some(parent) = parent else { continue };
+        let motion = graph.cam_from_world[child] * graph.cam_from_world[parent].inverse();
+        edges.push(odometry(parent, child, motion, growth, &params.loops));
+    }
+    edges.extend(
+        graph.edges.iter().filter(|e| e.is_loop).map(|e| CycleEdge {
+            kind: CycleEdgeKind::EarlierLoop,
+            ..candidate(e.a, e.b, graph.b_from_a(e))
+        }),
+    );
+    edges.push(candidate(there, here, *here_from_there));
+    match test_loop(&graph.cam_from_world, &edges, &LoopTestOptions::default()) {
+        LoopVerdict::Consistent(_) => Ok(()),
+        LoopVerdict::Inconsistent { reason, numbers } => Err(NoLoop::Inconsistent { reason, numbers }),
+    }
+}
+
+/// Edges on the way through the spanning tree from one node to another.
+fn path_length(graph: &EssentialGraph, map: &Map, here: usize, there: usize) -> usize {
+    let (a, b) = (graph.ancestors(map, here), graph.ancestors(map, there));
+    let shared = a.iter().rev().zip(b.iter().rev()).take_while(|(x, y)| x == y).count();
+    a.len() + b.len() - 2 * shared
+}
+
+fn odometry(a: usize, b: usize, b_from_a: SE3, growth: f64, params: &LoopParams) -> CycleEdge {
+    let (length, angle) = (b_from_a.translation.norm(), b_from_a.rotation.angle());
+    CycleEdge {
+        a: a as u32,
+        b: b as u32,
+        b_from_a,
+        sigma_m: SIGMA_M + growth * params.drift_sigma * length,
+        sigma_rad: SIGMA_RAD + growth * (SIGMA_RAD_PER_M * length + SIGMA_RAD_PER_RAD * angle),
+        kind: CycleEdgeKind::Odometry,
+    }
+}
+
+fn candidate(a: usize, b: usize, b_from_a: SE3) -> CycleEdge {
+    CycleEdge {
+        a: a as u32,
+        b: b as u32,
+        b_from_a,
+        sigma_m: LOOP_SIGMA_M,
+        sigma_rad: LOOP_SIGMA_RAD,
+        kind: CycleEdgeKind::Candidate,
+    }
+}

@@ -1,0 +1,219 @@
+//! Geometry of a loop candidate: matches by vocabulary node, weighted RANSAC, guided search, refinement, enough inliers.
+
+use bow::{DirectIndex, MatchOptions, MatchSide, match_by_node};
+use features::Frame;
+use geometry::{RansacOptions, SE3, SightedPoints, Sim3, SimilarityEstimator, Vec2, Vec3, mix_seed, ransac};
+use map::{Keyframe, KeyframeId, Map, PointId};
+
+use super::outcome::NoLoop;
+use crate::guided::{Window, points_around, search_points};
+use crate::params::Params;
+use crate::pose::refine;
+use crate::world::World;
+
+/// Error squared that RANSAC accepts, in variances (2 degrees of freedom, 99 %).
+const CHI2: f64 = 9.21;
+/// Keyframes around the candidate whose points are looked for.
+const NEIGHBOURS: usize = 15;
+/// Windows of the guided searches, one after the other.
+const WINDOWS: [Window; 2] =
+    [Window { radius_px: 10.0, max_distance: 60 }, Window { radius_px: 5.0, max_distance: 75 }];
+/// Purpose of the random numbers, so that no two uses share a stream.
+const SEED_PURPOSE: u64 = 3;
+
+/// A candidate whose geometry holds.
+#[derive(Clone, Debug)]
+pub(super) struct Verified {
+    pub(super) matched: KeyframeId,
+    /// Pose of the current keyframe in the world (and the scale) of the earlier visit.
+    pub(super) cam_from_world: SE3,
+    /// Length around the current keyframe over the same length at the earlier visit.
+    pub(super) scale: f64,
+    /// Features of the current keyframe with the points of the earlier visit that they show.
+    pub(super) matches: Vec<(u32, PointId)>,
+    /// All points around the candidate.
+    pub(super) earlier_points: Vec<PointId>,
+}
+
+/// Verifies that `candidate` shows the place of `keyframe`.
+///
+/// # Errors
+/// The first test that fails, with its numbers.
+pub(super) fn verify(
+    candidate: KeyframeId,
+    keyframe: KeyframeId,
+    world: &World,
+    params: &Params,
+) -> Result<Verified, NoLoop> {
+    let map = &world.map;
+    let (Some(here), Some(there)) = (map.keyframe(keyframe), map.keyframe(candidate)) else {
+        return Err(NoLoop::NoPlaces);
+    };
+    let pairs = match_places(here, there, world);
+    let (found, needed) = (pairs.len(), params.loops.min_matches);
+    if found < needed {
+        return Err(NoLoop::TooFewMatches { found, needed });
+    }
+    let seed = mix_seed(params.seed, u64::from(keyframe.0), SEED_PURPOSE + (u64::from(candidate.0) << 8));
+    let (here_from_there, found) = similarity(here, there, map, &pairs, params, seed);
+    let (Some(here_from_there), needed) = (here_from_there, params.loops.min_ransac_inliers) else {
+        return Err(NoLoop::NoGeometry { found, needed: params.loops.min_ransac_inliers });
+    };
+    if found < needed {
+        return Err(NoLoop::NoGeometry { found, needed });
+    }
+    let rigid = SE3::new(here_from_there.rotation, here_from_there.translation / here_from_there.scale);
+    let mut verified = Verified {
+        matched: candidate,
+        cam_from_world: rigid * there.cam_from_world,
+        scale: here_from_there.scale,
+        matches: Vec::new(),
+        earlier_points: points_around(map, candidate, NEIGHBOURS),
+    };
+    guided_refinement(&mut verified, here, map, params)?;
+    if params.loops.with_scale {
+        verified.scale = scale_between(&verified, here, map);
+    }
+    Ok(verified)
+}
+
+/// Matches `(feature here, feature there)` of features that show points on both sides.
+fn match_places(here: &Keyframe, there: &Keyframe, world: &World) -> Vec<(u32, u32)> {
+    let (Some((_, direct_here)), Some((_, direct_there))) =
+        (world.places.of(here.id), world.places.of(there.id))
+    else {
+        return Vec::new();
+    };
+    let with_point =
+        |keyframe: &Keyframe| keyframe.points().iter().map(Option::is_some).collect::<Vec<bool>>();
+    let (eligible_here, eligible_there) = (with_point(here), with_point(there));
+    match_by_node(
+        &side(here, direct_here, &eligible_here),
+        &side(there, direct_there, &eligible_there),
+        &MatchOptions::default(),
+    )
+    .into_iter()
+    .map(|m| (m.a, m.b))
+    .collect()
+}
+
+fn side<'a>(keyframe: &'a Keyframe, direct: &'a DirectIndex, eligible: &'a [bool]) -> MatchSide<'a> {
+    MatchSide {
+        descriptors: &keyframe.frame.descriptors,
+        direct,
+        keypoints: Some(&keyframe.frame.keypoints),
+        eligible: Some(eligible),
+    }
+}
+
+/// What one camera knows of the matched points.
+struct Sights {
+    points_cam: Vec<Vec3>,
+    pixels: Vec<Vec2>,
+    thresholds_sq: Vec<f64>,
+}
+
+impl Sights {
+    fn new(keyframe: &Keyframe, map: &Map, features: impl Iterator<Item = u32>) -> Self {
+        let mut sights = Sights { points_cam: Vec::new(), pixels: Vec::new(), thresholds_sq: Vec::new() };
+        for feature in features {
+            let Some(point) = keyframe.point_at(feature).and_then(|id| map.point(id)) else { continue };
+            let i = feature as usize;
+            sights.points_cam.push(keyframe.cam_from_world * point.position);
+            sights.pixels.push(keyframe.frame.pixel(i));
+            sights.thresholds_sq.push(CHI2 / keyframe.frame.inv_sigma_sq(i));
+        }
+        sights
+    }
+
+    fn seen_by(&self, frame: &Frame) -> SightedPoints<'_> {
+        SightedPoints {
+            camera: frame.rig.stereo.camera,
+            points_cam: &self.points_cam,
+            pixels: &self.pixels,
+            thresholds_sq: &self.thresholds_sq,
+        }
+    }
+}
+
+/// `here_from_there` by RANSAC and the number of its inliers, matches weighted by the activation of both features.
+fn similarity(
+    here: &Keyframe,
+    there: &Keyframe,
+    map: &Map,
+    pairs: &[(u32, u32)],
+    params: &Params,
+    seed: u64,
+) -> (Option<Sim3>, usize) {
+    let a = Sights::new(here, map, pairs.iter().map(|p| p.0));
+    let b = Sights::new(there, map, pairs.iter().map(|p| p.1));
+    let weights: Vec<f64> = pairs
+        .iter()
+        .map(|&(i, j)| f64::from(here.frame.activation[i as usize] * there.frame.activation[j as usize]))
+        .collect();
+    let estimator =
+        SimilarityEstimator::new(a.seen_by(&here.frame), b.seen_by(&there.frame), params.loops.with_scale);
+    let options = RansacOptions {
+        sample_size: SimilarityEstimator::SAMPLE_SIZE,
+        max_iterations: 300,
+        confidence: 0.99,
+        seed,
+    };
+    match ransac(&estimator, Some(&weights), &options) {
+        Some(found) => (Some(found.model), found.inliers.len()),
+        None => (None, 0),
+    }
+}
+
+/// Searches all points around the candidate with the pose known so far and refines it, in windows that narrow.
+fn guided_refinement(
+    verified: &mut Verified,
+    here: &Keyframe,
+    map: &Map,
+    params: &Params,
+) -> Result<(), NoLoop> {
+    let (mut found, mut visible) = (0, 0);
+    for window in WINDOWS {
+        let searched = search_points(
+            &here.frame,
+            map,
+            &verified.cam_from_world,
+            &verified.earlier_points,
+            &verified.matches,
+            window,
+        );
+        let refined =
+            refine(&here.frame, map, verified.cam_from_world, &searched.matches, params.feature_sigma_px);
+        (found, visible) = (refined.inliers.len(), searched.visible);
+        if found < params.loops.min_ransac_inliers {
+            break;
+        }
+        verified.cam_from_world = refined.cam_from_world;
+        verified.matches = refined.inliers;
+    }
+    let needed = params.loops.min_inliers;
+    if found < needed {
+        return Err(NoLoop::TooFewInliers { found, needed, visible });
+    }
+    let needed = (params.loops.min_inlier_share * visible as f64).ceil() as usize;
+    if found < needed {
+        return Err(NoLoop::TooFewInliers { found, needed, visible });
+    }
+    Ok(())
+}
+
+/// The median ratio of a point's distance here to the same point's distance in the scale of the earlier visit.
+fn scale_between(verified: &Verified, here: &Keyframe, map: &Map) -> f64 {
+    let mut ratios: Vec<f64> = verified
+        .matches
+        .iter()
+        .filter_map(|&(feature, earlier)| {
+            let own = map.point(here.point_at(feature)?)?.position;
+            let earlier = map.point(earlier)?.position;
+            let ratio = (here.cam_from_world * own).norm() / (verified.cam_from_world * earlier).norm();
+            (ratio.is_finite() && ratio > 0.0).then_some(ratio)
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).copied().unwrap_or(verified.scale)
+}
