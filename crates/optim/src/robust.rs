@@ -4,6 +4,10 @@
 pub const CHI2_MONO: f64 = 5.991;
 /// Chi-square, 3 degrees of freedom, 95 %.
 pub const CHI2_STEREO: f64 = 7.815;
+/// Chi-square, 6 degrees of freedom, 95 %.
+pub const CHI2_SE3: f64 = 12.592;
+/// Chi-square, 7 degrees of freedom, 95 %.
+pub const CHI2_SIM3: f64 = 14.067;
 
 /// Cap of the whitened squared error (1000 sigma): what lies beyond, or behind the camera where no residual exists, counts
 /// this much and pulls nothing. So the cost has no step where a point crosses the image plane, and none crosses for gain.

@@ -27,8 +27,13 @@ const ALLOWED: &[(&str, &[&str])] = &[
 ];
 
 /// External crates that are slow to build or to start, each with the one crate that may use it.
-const HEAVY: &[(&str, &str)] =
-    &[("opencv", "crates/cv"), ("plotters", "eval"), ("crossbeam", "crates/runtime")];
+const HEAVY: &[(&str, &str)] = &[
+    ("opencv", "crates/cv"),
+    ("plotters", "eval"),
+    ("crossbeam", "crates/runtime"),
+    ("faer", "crates/optim"),
+    ("clarabel", "crates/optim"),
+];
 
 /// The longest a source file may be, lines.
 const MAX_LINES: usize = 400;

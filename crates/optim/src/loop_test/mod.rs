@@ -1,0 +1,153 @@
+//! Whether a loop agrees with the odometry around it and with the loops found earlier, before any pose is moved.
+//!
+//! First the rotations: the shortest cycle that the candidate closes must close within its accumulated uncertainty; then
+//! the error is spread by rotation averaging. With rotations fixed the positions are a convex problem, whose answer cannot
+//! depend on where the search began: there the cycle must close in translation, and no edge may be torn.
+
+mod cycle;
+mod measure;
+
+use geometry::SE3;
+
+use crate::convex::ConvexError;
+use crate::robust::CHI2_STEREO;
+
+/// Where an edge comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CycleEdgeKind {
+    /// Consecutive nodes of the trajectory.
+    Odometry,
+    /// A loop that was accepted before.
+    EarlierLoop,
+    /// The loop to be tested.
+    Candidate,
+}
+
+/// A measured motion between two nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CycleEdge {
+    /// Index of the first node.
+    pub a: u32,
+    /// Index of the second node.
+    pub b: u32,
+    /// The measurement, metres.
+    pub b_from_a: SE3,
+    /// Standard deviation of each coordinate of its translation, metres; without what rotation errors elsewhere do to the
+    /// position, which the test adds itself.
+    pub sigma_m: f64,
+    /// Standard deviation of its rotation about each axis, radians.
+    pub sigma_rad: f64,
+    /// Where it comes from.
+    pub kind: CycleEdgeKind,
+}
+
+/// Gates of [`test_loop`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopTestOptions {
+    /// Largest squared rotation closure of the cycle over its variance (chi-square, 3 degrees of freedom).
+    pub max_rotation_chi_sq: f64,
+    /// The same for the translation closure.
+    pub max_translation_chi_sq: f64,
+    /// Largest residual of a single edge after the fit, in sigma.
+    pub max_residual: f64,
+    /// Where the loss of the fit turns from quadratic to linear, in sigma.
+    pub huber: f64,
+}
+
+/// Chi-square, 3 degrees of freedom, 99.9 %.
+const CHI2_CLOSURE: f64 = 16.266;
+
+impl Default for LoopTestOptions {
+    fn default() -> Self {
+        Self {
+            max_rotation_chi_sq: CHI2_CLOSURE,
+            max_translation_chi_sq: CHI2_CLOSURE,
+            max_residual: CHI2_CLOSURE.sqrt(),
+            huber: CHI2_STEREO.sqrt(),
+        }
+    }
+}
+
+/// What [`test_loop`] measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoopNumbers {
+    /// Edges of the cycle with the least variance of rotation, the candidate included.
+    pub cycle_edges: usize,
+    /// Length of that cycle, metres.
+    pub cycle_length_m: f64,
+    /// Angle by which the cycle fails to close, degrees.
+    pub rotation_closure_deg: f64,
+    /// Standard deviation of each component of it, degrees.
+    pub rotation_sigma_deg: f64,
+    /// Distance by which the cycle with the least variance of translation fails to close under averaged rotations, metres.
+    pub translation_closure_m: f64,
+    /// Standard deviation of each component of it, metres.
+    pub translation_sigma_m: f64,
+    /// Residual of the candidate after the fit, the larger of that in rotation and that in translation, sigma.
+    pub candidate_residual: f64,
+    /// The largest such residual of an earlier loop; 0 without one.
+    pub earlier_loop_residual: f64,
+    /// The largest such residual of an odometry edge.
+    pub odometry_residual: f64,
+}
+
+/// Why a candidate was refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Inconsistency {
+    /// Not exactly one candidate, or an edge with an unknown node or unusable numbers.
+    BadInput {
+        /// Index of the first such edge, or the number of edges where the number of candidates is wrong.
+        edge: usize,
+    },
+    /// The candidate closes no cycle: there is nothing to test it against.
+    NoCycle,
+    /// The cycle does not close in rotation.
+    Rotation {
+        /// Closure over its standard deviation.
+        sigmas: f64,
+    },
+    /// The cycle does not close in translation.
+    Translation {
+        /// Closure over its standard deviation.
+        sigmas: f64,
+    },
+    /// An edge is torn: its residual after the fit is above the gate, and the largest of all.
+    Residual {
+        /// Index of the edge.
+        edge: usize,
+        /// Where it comes from.
+        kind: CycleEdgeKind,
+        /// Its residual, sigma.
+        sigmas: f64,
+    },
+    /// The convex problem has no answer.
+    Convex(ConvexError),
+}
+
+/// Answer of [`test_loop`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum LoopVerdict {
+    /// The candidate agrees with everything.
+    Consistent(LoopNumbers),
+    /// It does not.
+    Inconsistent {
+        /// The first gate that it fails.
+        reason: Inconsistency,
+        /// As far as measured; zero beyond.
+        numbers: LoopNumbers,
+    },
+}
+
+/// Tests the one edge of kind [`CycleEdgeKind::Candidate`] against all others, at the current estimates `nodes`
+/// (node_from_world).
+///
+/// The nodes must be connected. Errors of rotation move positions by their lever arms: spread over a cycle that closes, the
+/// rotation of one edge moves the closure by its lever arm about the centroid of the cycle, so `sigma_rad` times that arm is
+/// added to the edge's `sigma_m` (squares added).
+pub fn test_loop(nodes: &[SE3], edges: &[CycleEdge], options: &LoopTestOptions) -> LoopVerdict {
+    let mut numbers = LoopNumbers::default();
+    match measure::measure(nodes, edges, options, &mut numbers) {
+        Ok(()) => LoopVerdict::Consistent(numbers),
+        Err(reason) => LoopVerdict::Inconsistent { reason, numbers },
+    }
+}
