@@ -2,12 +2,15 @@
 //!
 //! No other crate links OpenCV, and the program does not depend on this one: neither its build nor its start pays for it.
 
+mod calibration;
+
 use geometry::GrayImage;
 use opencv::core::{self, KeyPoint, Mat, Ptr, Vector};
 use opencv::features2d::{self, ORB};
 use opencv::imgproc;
 use opencv::prelude::*;
 
+pub use calibration::{Rectification, project, rectify_maps, remap, stereo_rectify};
 pub use opencv::Result;
 
 /// OpenCV's ORB with the parameters of the benchmarks: 8 levels of factor 1.2, FAST threshold 20, Harris scores.

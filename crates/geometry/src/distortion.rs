@@ -1,6 +1,7 @@
 //! Radial and tangential lens distortion as OpenCV defines it (Brown 1966).
 
 use crate::aliases::{Mat2, Vec2};
+use crate::polynomial::first_sign_change;
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of the distortion of normalised image points `(x, y) = (X / Z, Y / Z)`; all zero means none.
@@ -52,6 +53,16 @@ impl Distortion {
             mixed,
             radial + slope * y * y + 6.0 * self.p1 * y + 2.0 * self.p2 * x,
         )
+    }
+
+    /// The radius of ideal normalised points up to which the radial part grows, so that it can be inverted.
+    ///
+    /// Beyond it, the image of a point turns back towards the centre. At most 1000, where every image has ended.
+    #[must_use]
+    pub fn max_radius(&self) -> f64 {
+        const END: f64 = 1000.0;
+        let derivative = [1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3];
+        first_sign_change(&derivative, END * END).map_or(END, f64::sqrt)
     }
 
     /// The ideal normalised point of a distorted one, by Newton's method with step halving, to rounding precision.

@@ -5,15 +5,18 @@
 //! along +z with x to the right and y down. `a_from_b` maps coordinates of frame `b` into frame `a`.
 
 mod aliases;
+mod camera_model;
 mod distortion;
 mod essential;
 mod estimators;
 mod fundamental;
 mod p3p;
 mod pinhole;
+mod polynomial;
 mod product;
 mod ransac;
 mod raster;
+mod rectify;
 mod sampler;
 mod se3;
 mod seed;
@@ -26,6 +29,7 @@ mod triangulate;
 mod umeyama;
 
 pub use aliases::*;
+pub use camera_model::{CameraModel, KannalaBrandt};
 pub use distortion::Distortion;
 pub use essential::{CheiralityChoice, decompose_essential, essential_from_fundamental, pose_from_essential};
 pub use estimators::{
@@ -36,6 +40,7 @@ pub use p3p::p3p;
 pub use pinhole::Pinhole;
 pub use ransac::{Consensus, Estimator, RansacOptions, ransac};
 pub use raster::{DepthImage, GrayImage, Raster};
+pub use rectify::{RectificationError, StereoRectification, rectify_stereo};
 pub use se3::SE3;
 pub use seed::mix_seed;
 pub use sim3::Sim3;

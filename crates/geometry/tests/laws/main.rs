@@ -1,5 +1,6 @@
 //! Laws, known answers and metamorphic tests of the whole crate, through its public interface.
 
+mod camera_models;
 mod cameras;
 mod epipolar;
 mod groups;
@@ -7,5 +8,6 @@ mod p3p;
 mod point_sets;
 mod ransac;
 mod rasters;
+mod rectification;
 mod support;
 mod triangulation;

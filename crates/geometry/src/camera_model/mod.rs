@@ -1,0 +1,102 @@
+//! Cameras as they come from a calibration: raw pixels, with the lens in the model.
+
+mod kannala_brandt;
+
+pub use kannala_brandt::KannalaBrandt;
+
+use crate::aliases::{Mat2x3, Vec2, Vec3};
+use crate::distortion::Distortion;
+use crate::pinhole::Pinhole;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// A camera whose pixels are those of the sensor, not undistorted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum CameraModel {
+    /// A pinhole with radial and tangential distortion.
+    Pinhole {
+        /// Focal lengths and principal point.
+        camera: Pinhole,
+        /// The lens.
+        distortion: Distortion,
+    },
+    /// A fisheye.
+    KannalaBrandt(KannalaBrandt),
+}
+
+impl CameraModel {
+    /// The raw pixel of a point in camera coordinates.
+    ///
+    /// Meaningful up to [`CameraModel::max_angle`] from the axis only (no test here, for speed).
+    #[must_use]
+    pub fn project(&self, point_cam: &Vec3) -> Vec2 {
+        match self {
+            Self::Pinhole { camera, distortion } => {
+                camera.project(&distortion.distort(&(point_cam.xy() / point_cam.z)).push(1.0))
+            }
+            Self::KannalaBrandt(fisheye) => fisheye.project(point_cam),
+        }
+    }
+
+    /// The derivative of [`CameraModel::project`] by the point: 2 by 3, pixels per metre.
+    #[must_use]
+    pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
+        match self {
+            Self::Pinhole { camera, distortion } => {
+                let ideal = point_cam.xy() / point_cam.z;
+                let ideal_by_point = Mat2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / point_cam.z;
+                let mut jacobian = distortion.distort_jacobian(&ideal) * ideal_by_point;
+                jacobian.row_mut(0).scale_mut(camera.fx);
+                jacobian.row_mut(1).scale_mut(camera.fy);
+                jacobian
+            }
+            Self::KannalaBrandt(fisheye) => fisheye.project_jacobian(point_cam),
+        }
+    }
+
+    /// The ray of a raw pixel in camera coordinates, of length one; the inverse of [`CameraModel::project`].
+    #[must_use]
+    pub fn unproject(&self, pixel: &Vec2) -> Vec3 {
+        match self {
+            Self::Pinhole { camera, distortion } => {
+                distortion.undistort(&camera.unproject(pixel).xy()).push(1.0).normalize()
+            }
+            Self::KannalaBrandt(fisheye) => fisheye.unproject(pixel),
+        }
+    }
+
+    /// The angle from the axis in radians up to which the projection is one to one: beyond it, a lens model folds its image back.
+    ///
+    /// A pinhole sees less than a quarter turn; its tangential terms are left out of account.
+    #[must_use]
+    pub fn max_angle(&self) -> f64 {
+        match self {
+            Self::Pinhole { distortion, .. } => distortion.max_radius().atan(),
+            Self::KannalaBrandt(fisheye) => fisheye.max_angle(),
+        }
+    }
+
+    /// Focal lengths and principal point.
+    #[must_use]
+    pub fn pinhole(&self) -> &Pinhole {
+        match self {
+            Self::Pinhole { camera, .. } => camera,
+            Self::KannalaBrandt(fisheye) => &fisheye.camera,
+        }
+    }
+}
+
+/// The model's name with its numbers.
+impl fmt::Display for CameraModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Pinhole { fx, fy, cx, cy } = self.pinhole();
+        match self {
+            Self::Pinhole { distortion: Distortion { k1, k2, p1, p2, k3 }, .. } => {
+                write!(f, "pinhole {fx} {fy} {cx} {cy}, radial-tangential {k1} {k2} {p1} {p2} {k3}")
+            }
+            Self::KannalaBrandt(KannalaBrandt { k1, k2, k3, k4, .. }) => {
+                write!(f, "fisheye {fx} {fy} {cx} {cy}, Kannala-Brandt {k1} {k2} {k3} {k4}")
+            }
+        }
+    }
+}
