@@ -51,14 +51,24 @@ impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
     /// Stores an item under the next id.
     pub(crate) fn push(&mut self, item: T) -> I {
         let id = self.next_id();
+        self.push_slot(Slot::Live(Arc::new(item)));
+        self.n_live += 1;
+        id
+    }
+
+    fn push_slot(&mut self, slot: Slot<T, R>) {
         if self.len.is_multiple_of(CHUNK) {
             self.chunks.push(Arc::new(Vec::with_capacity(CHUNK)));
         }
         let last = self.len / CHUNK;
-        Arc::make_mut(&mut self.chunks[last]).push(Slot::Live(Arc::new(item)));
+        Arc::make_mut(&mut self.chunks[last]).push(slot);
         self.len += 1;
-        self.n_live += 1;
-        id
+    }
+
+    /// Uses up the next id for an item that was there once: for a map that is read from a file.
+    pub(crate) fn push_gone(&mut self, replaced_by: Option<R>) {
+        let slot = replaced_by.map_or(Slot::Removed, |r| Slot::Forwarded(Arc::new(r)));
+        self.push_slot(slot);
     }
 
     pub(crate) fn get(&self, id: I) -> Option<&T> {

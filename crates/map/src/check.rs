@@ -1,6 +1,7 @@
 //! `check`: recounts every invariant of the map from scratch and names what is broken.
 
 mod graph;
+mod history;
 mod numbers;
 mod observations;
 mod violation;
@@ -17,6 +18,7 @@ impl Map {
     pub fn check(&self) -> Result<(), Vec<Violation>> {
         let mut found = Vec::new();
         self.check_ids(&mut found);
+        self.check_history(&mut found);
         self.check_observations(&mut found);
         self.check_covisibility(&mut found);
         self.check_tree(&mut found);

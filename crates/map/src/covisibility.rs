@@ -1,5 +1,6 @@
 //! Covisibility: how many points each pair of keyframes shares, kept exactly and incrementally.
 
+use crate::ids::Id;
 use crate::keyframe::Keyframe;
 use crate::{KeyframeId, Map, Observation};
 
@@ -19,6 +20,19 @@ impl CovisibilityChange {
 }
 
 impl Map {
+    /// Counts the points that a keyframe shares with each other one, by keyframe id, from its table and the points'
+    /// observations alone.
+    pub(crate) fn count_shared(&self, keyframe: &Keyframe) -> Vec<u32> {
+        let mut counts = vec![0_u32; self.keyframes.len()];
+        let shown = keyframe.points().iter().flatten().filter_map(|&p| self.point(p));
+        for o in shown.flat_map(|p| p.observations()).filter(|o| o.keyframe != keyframe.id) {
+            if let Some(count) = counts.get_mut(o.keyframe.index()) {
+                *count += 1;
+            }
+        }
+        counts
+    }
+
     pub(crate) fn apply_covisibility(&mut self, change: CovisibilityChange) {
         let mut pairs = change.pairs;
         pairs.sort_unstable_by_key(|&(a, b, _)| (a, b));

@@ -23,6 +23,8 @@
 //! under the same ids, in coordinates (and for one camera in a scale) of its own, until a correction joins it to
 //! another one ([`Correction::joined`]). [`Map::submap_of`] names the sub-map of a keyframe by its root.
 //!
+//! [`file`] turns a map into bytes and back.
+//!
 //! Start reading at `map.rs` (queries), then `observations.rs` (the primitives that the mutations share).
 
 mod arena;
@@ -33,6 +35,7 @@ mod derived;
 mod digest;
 mod error;
 mod estimates;
+pub mod file;
 mod forest;
 mod ids;
 mod insert;
@@ -48,6 +51,7 @@ mod validate;
 pub use check::Violation;
 pub use correction::{Correction, KeyframeCorrection};
 pub use error::{MapError, PoseDefect};
+pub use file::{MapFileError, MapFileInfo};
 pub use ids::{KeyframeId, PointId};
 pub use insert::{Batch, Inserted, NewKeyframe, NewPoint, Parent};
 pub use keyframe::Keyframe;

@@ -7,15 +7,8 @@ use crate::{KeyframeId, Map};
 impl Map {
     /// Counts the shared points of every pair anew; a symmetric count makes symmetric weights.
     pub(super) fn check_covisibility(&self, found: &mut Vec<Violation>) {
-        let mut counts = vec![0_u32; self.keyframes.len()];
         for (keyframe, k) in self.keyframes.iter() {
-            counts.fill(0);
-            let shown = k.points().iter().flatten().filter_map(|&p| self.point(p));
-            for o in shown.flat_map(|p| p.observations()).filter(|o| o.keyframe != keyframe) {
-                if let Some(count) = counts.get_mut(o.keyframe.index()) {
-                    *count += 1;
-                }
-            }
+            let counts = self.count_shared(k);
             for &(missing, _) in k.covisible().iter().filter(|(c, _)| self.keyframe(*c).is_none()) {
                 found.push(Violation::MissingKeyframe { keyframe, missing });
             }

@@ -33,6 +33,24 @@ pub enum Violation {
         /// The removed keyframe.
         keyframe: KeyframeId,
     },
+    /// A keyframe was inserted at a revision that is still to come or not after that of the keyframe before it.
+    #[error("keyframe {keyframe} was inserted at revision {inserted_at} of {revision}, or out of order")]
+    InsertedAt {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The revision of its insertion.
+        inserted_at: u64,
+        /// The revision of the map.
+        revision: u64,
+    },
+    /// The note on where the points of one of the newest keyframes begin does not fit the points.
+    #[error("points from keyframe {keyframe} on are noted to begin at {first:?}, which cannot be")]
+    Probation {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// The first point that it could create.
+        first: Option<PointId>,
+    },
     /// A keyframe's relation names a keyframe that is not there.
     #[error("keyframe {keyframe} names keyframe {missing} which is not there")]
     MissingKeyframe {

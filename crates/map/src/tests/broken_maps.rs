@@ -101,16 +101,35 @@ fn too_few_observations() {
     };
     let mut map = sound_map();
     // Point 28 is seen by its creator 7 only, and young until two more are there.
-    map.points.live_mut(P(28)).created_by = K(5);
-    assert_eq!(map.check(), Ok(()));
-    map.points.live_mut(P(28)).created_by = K(4);
-    assert_eq!(map.check(), Err(vec![few(P(28), K(4), 1)]));
+    for (creator, is_found) in [(5, false), (4, true)] {
+        map.points.live_mut(P(28)).created_by = K(creator);
+        let found = map.check().expect_err("the notes on probation do not fit");
+        assert_eq!(found.contains(&few(P(28), K(creator), 1)), is_found);
+    }
     expect(few(P(28), K(7), 0), |m| m.points.live_mut(P(28)).observations.clear());
     let creator = Violation::Creator { point: P(28), created_by: K(8) };
     expect(creator, |m| m.points.live_mut(P(28)).created_by = K(8));
     expect(Violation::Reference { point: P(28), reference: K(1) }, |m| {
         m.points.live_mut(P(28)).reference = K(1)
     });
+}
+
+#[test]
+fn an_impossible_history() {
+    let revision = sound_map().revision();
+    let inserted = |keyframe, inserted_at| Violation::InsertedAt { keyframe, inserted_at, revision };
+    let at_revision = |k, inserted_at| move |m: &mut Map| m.keyframes.live_mut(k).inserted_at = inserted_at;
+    expect(inserted(K(7), revision + 1), at_revision(K(7), revision + 1));
+    expect(inserted(K(0), 0), at_revision(K(0), 0));
+    expect(inserted(K(4), 2), at_revision(K(4), 2)); // that of K1
+
+    assert_eq!(sound_map().first_young, [P(20), P(24), P(28)]);
+    let noted = |keyframe, first| Violation::Probation { keyframe, first };
+    expect(noted(K(6), Some(P(23))), |m| m.first_young[1] = P(23));
+    expect(noted(K(6), Some(P(25))), |m| m.first_young[1] = P(25));
+    expect(noted(K(7), Some(P(33))), |m| m.first_young[2] = P(33));
+    expect(noted(K(7), None), |m| m.first_young.truncate(2));
+    expect(noted(K(8), Some(P(32))), |m| m.first_young.push(P(32)));
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod broken_maps;
 mod correction;
 mod estimates;
 mod insertion;
+mod map_file;
 mod observations;
 mod random_mutations;
 mod removal;

@@ -204,10 +204,15 @@ fn kind_of(number: u64) -> usize {
 pub(super) fn random_map(seed: u64, n_steps: u64) -> Map {
     let mut map = row_of_keyframes(4);
     for i in 0..n_steps {
-        let number = geometry::mix_seed(seed, i, 0);
-        let _ = step(&mut map, kind_of(number), geometry::mix_seed(seed, i, 1));
+        let _ = random_step(&mut map, seed, i);
     }
     map
+}
+
+/// The i-th random mutation of a history.
+pub(super) fn random_step(map: &mut Map, seed: u64, i: u64) -> Result<(), MapError> {
+    let number = geometry::mix_seed(seed, i, 0);
+    step(map, kind_of(number), geometry::mix_seed(seed, i, 1))
 }
 
 #[test]

@@ -1,0 +1,22 @@
+//! The description of a map: what a person or a tool wants to know before using it.
+
+use serde::{Deserialize, Serialize};
+
+/// Where a map comes from.
+///
+/// A new field needs nothing but its line here: it is stored by name, is empty when a file does not have it, and is
+/// passed over by a program that does not know it. Only text and whole numbers keep their value to the last digit.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MapFileInfo {
+    /// Kind of camera as the configuration names it (`stereo`, `rgbd`, `mono`).
+    pub sensor: String,
+    /// Version of the program that made the map.
+    pub program_version: String,
+    /// Name of the sequence that was mapped.
+    pub sequence: String,
+    /// The configuration in force, as text.
+    pub configuration: String,
+    /// SHA-256 of the vocabulary in use, hexadecimal; empty if there was none.
+    pub vocabulary_sha256: String,
+}

@@ -1,0 +1,70 @@
+//! A map as records: the facts only, nothing that follows from them.
+
+use super::content::{
+    Content, KeyframeRecord, KeyframeSlot, PointRecord, PointSlot, RemovedRecord, RigRecord, ScalesRecord,
+};
+use super::frames::Shared;
+use crate::ids::Id;
+use crate::map::RemovedKeyframe;
+use crate::{Keyframe, KeyframeId, Map, MapPoint, PointId};
+
+/// The records of a map as bytes.
+pub(super) fn content_of(map: &Map) -> Vec<u8> {
+    let mut shared = Shared::default();
+    let ids = (0..map.keyframes.len()).map(KeyframeId::from_index);
+    let keyframes = ids.map(|id| keyframe_slot(map, id, &mut shared)).collect();
+    let content = Content {
+        revision: map.revision,
+        first_young: map.first_young.iter().map(|p| p.0).collect(),
+        rigs: shared.rigs.iter().map(|rig| RigRecord::of(rig)).collect(),
+        scales: shared.scales.iter().map(|scales| ScalesRecord::of(scales)).collect(),
+        keyframes,
+        points: (0..map.points.len()).map(|i| point_slot(map, PointId::from_index(i))).collect(),
+    };
+    postcard::to_stdvec(&content).expect("records of known length can be written to memory")
+}
+
+fn keyframe_slot<'a>(map: &Map, id: KeyframeId, shared: &mut Shared) -> KeyframeSlot<'a> {
+    match map.keyframe(id) {
+        Some(keyframe) => KeyframeSlot::Living(Box::new(keyframe_record(keyframe, shared))),
+        None => KeyframeSlot::Removed(map.keyframes.forward(id).map(|r| Box::new(removed_record(r)))),
+    }
+}
+
+fn keyframe_record<'a>(keyframe: &Keyframe, shared: &mut Shared) -> KeyframeRecord<'a> {
+    KeyframeRecord {
+        frame: shared.record(&keyframe.frame),
+        cam_from_world: keyframe.cam_from_world.rows_3x4(),
+        inserted_at: keyframe.inserted_at,
+        scale: keyframe.scale,
+        parent: keyframe.parent().map(|p| p.0),
+        loop_edges: keyframe.loop_edges().iter().map(|k| k.0).collect(),
+    }
+}
+
+fn removed_record(removed: &RemovedKeyframe) -> RemovedRecord {
+    RemovedRecord {
+        parent: removed.parent.0,
+        removed_from_parent: removed.removed_from_parent.rows_3x4(),
+        scale: removed.scale,
+    }
+}
+
+fn point_slot(map: &Map, id: PointId) -> PointSlot {
+    match (map.point(id), map.points.forward(id)) {
+        (Some(point), _) => PointSlot::Living(Box::new(point_record(point))),
+        (None, Some(keep)) => PointSlot::Merged(keep.0),
+        (None, None) => PointSlot::Removed,
+    }
+}
+
+fn point_record(point: &MapPoint) -> PointRecord {
+    PointRecord {
+        position: point.position.into(),
+        reference: point.reference.0,
+        created_by: point.created_by.0,
+        seen: point.seen,
+        found: point.found,
+        observations: point.observations().iter().map(|o| (o.keyframe.0, o.feature)).collect(),
+    }
+}
