@@ -40,7 +40,7 @@ pub use p3p::p3p;
 pub use pinhole::Pinhole;
 pub use ransac::{Consensus, Estimator, RansacOptions, ransac};
 pub use raster::{DepthImage, GrayImage, Raster};
-pub use rectify::{RectificationError, StereoRectification, rectify_stereo};
+pub use rectify::{RectificationError, StereoRectification, rectify_single, rectify_stereo};
 pub use se3::SE3;
 pub use seed::mix_seed;
 pub use sim3::Sim3;

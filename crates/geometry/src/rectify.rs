@@ -66,7 +66,9 @@ impl fmt::Display for RectificationError {
                     "found the second camera {left_by_m:.4} m to the left of the first, expected it to the right"
                 )
             }
-            Self::NoCommonView => f.write_str("the two cameras look apart, expected a common field of view"),
+            Self::NoCommonView => {
+                f.write_str("found cameras that look apart, expected a common field of view")
+            }
         }
     }
 }
@@ -84,30 +86,48 @@ pub fn rectify_stereo(
     right_from_left: &SE3,
 ) -> Result<StereoRectification, RectificationError> {
     let (rectified_from_left, rectified_from_right, baseline_m) = turns(right_from_left)?;
-    let size = Vec2::new(width as f64, height as f64);
     let views = [(left, rectified_from_left), (right, rectified_from_right)];
-    let focal = 0.5 * (left.pinhole().fy + right.pinhole().fy);
-    // The mean of the corners comes to the middle of the image; one centre for both makes the disparity of infinity zero.
-    let last = size.add_scalar(-1.0);
-    let corners =
-        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| Vec2::new(x * last.x, y * last.y));
-    let mut center = Vec2::zeros();
-    for (model, turn) in &views {
-        let mean = corners.map(|corner| normalised(model, turn, &corner)).iter().sum::<Vec2>() / 4.0;
-        center += (last * 0.5 - mean * focal) * 0.5;
-    }
-    let mut scale = 0.0;
-    for (model, turn) in &views {
-        let scale_of_view = smallest_scale(&inner_rectangle(model, turn, &size), focal, &center, &size);
-        scale = f64::max(scale, scale_of_view.ok_or(RectificationError::NoCommonView)?);
-    }
-    let focal = focal * scale;
-    let camera = Pinhole { fx: focal, fy: focal, cx: center.x, cy: center.y };
+    let camera = filled_view(&views, (width, height))?;
     Ok(StereoRectification {
         rectified_from_left,
         rectified_from_right,
         rig: StereoRig { camera, baseline_m },
     })
+}
+
+/// The pinhole that shows what a raw camera with images of `(width, height)` pixels sees, in an image of that size without
+/// empty pixels; its field of view is at most 120 degrees.
+///
+/// # Errors
+/// [`RectificationError::NoCommonView`] when the axis of the camera is not in its image.
+pub fn rectify_single(model: &CameraModel, size: (usize, usize)) -> Result<Pinhole, RectificationError> {
+    filled_view(&[(model, SO3::identity())], size)
+}
+
+/// The one pinhole for all turned cameras whose image of `(width, height)` pixels is as wide as it can be without empty pixels.
+fn filled_view(
+    views: &[(&CameraModel, SO3)],
+    (width, height): (usize, usize),
+) -> Result<Pinhole, RectificationError> {
+    let n_views = views.len() as f64;
+    let focal = views.iter().map(|(model, _)| model.pinhole().fy).sum::<f64>() / n_views;
+    // The mean of the corners comes to the middle of the image; one centre for all makes the disparity of infinity zero.
+    let size = Vec2::new(width as f64, height as f64);
+    let last = size.add_scalar(-1.0);
+    let corners =
+        [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| Vec2::new(x * last.x, y * last.y));
+    let mut center = Vec2::zeros();
+    for (model, turn) in views {
+        let mean = corners.map(|corner| normalised(model, turn, &corner)).iter().sum::<Vec2>() / 4.0;
+        center += (last * 0.5 - mean * focal) / n_views;
+    }
+    let mut scale = 0.0;
+    for (model, turn) in views {
+        let scale_of_view = smallest_scale(&inner_rectangle(model, turn, &size), focal, &center, &size);
+        scale = f64::max(scale, scale_of_view.ok_or(RectificationError::NoCommonView)?);
+    }
+    let focal = focal * scale;
+    Ok(Pinhole { fx: focal, fy: focal, cx: center.x, cy: center.y })
 }
 
 /// The turns of both cameras and the baseline.

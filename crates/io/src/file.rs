@@ -1,8 +1,9 @@
 //! Text files with line numbers in their errors, and atomic writing. Used by datasets, trajectories and configuration.
 
 use std::fs;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What is wrong with a file that is read or written; the message names file, line, found and expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -164,20 +165,62 @@ pub(crate) fn shown(text: &str) -> String {
     format!("`{head}...`")
 }
 
-/// Writes a file under a temporary name beside it, then renames it, so that a reader never sees half of it.
+/// Writes a file under a temporary name beside it, then renames it, so that a reader never sees half of it, nor does a
+/// killed program leave half of it. For many small files; a loss of power may still take the last ones.
 ///
 /// # Errors
 /// [`FileError::Unwritable`] when the folder is missing or may not be written; no temporary file is left behind.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    replace(path, bytes, Durability::Process)
+}
+
+/// Like [`write_atomic`], and waits until the file is on the disk: whatever happens at whatever moment, the old file is
+/// there or the new one. For files that cannot be made again.
+///
+/// # Errors
+/// As for [`write_atomic`].
+pub fn write_durable(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    replace(path, bytes, Durability::Power)
+}
+
+/// What a file must survive.
+#[derive(Clone, Copy, PartialEq)]
+enum Durability {
+    /// The end of the program.
+    Process,
+    /// The end of the machine.
+    Power,
+}
+
+fn replace(path: &Path, bytes: &[u8], durability: Durability) -> Result<(), FileError> {
+    static WRITTEN: AtomicU64 = AtomicU64::new(0);
+    // Unique among the programs and threads that may write the same file.
+    let number = WRITTEN.fetch_add(1, Ordering::Relaxed);
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
+    name.push(format!(".{}.{number}.part", std::process::id()));
     let temporary = path.with_file_name(name);
-    let outcome = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
-    outcome.map_err(|error| {
-        // The first error counts; a temporary file that was never made cannot be removed either.
-        let _ = fs::remove_file(&temporary);
-        FileError::Unwritable { path: path.to_path_buf(), reason: error.to_string() }
-    })
+    let outcome =
+        fill(&temporary, bytes, durability).and_then(|()| fs::rename(&temporary, path)).inspect_err(|_| {
+            // The first error counts; a temporary file that was never made cannot be removed either.
+            let _ = fs::remove_file(&temporary);
+        });
+    let outcome = match durability {
+        Durability::Process => outcome,
+        Durability::Power => outcome.and_then(|()| sync_folder_of(path)),
+    };
+    outcome.map_err(|error| FileError::Unwritable { path: path.to_path_buf(), reason: error.to_string() })
+}
+
+fn fill(path: &Path, bytes: &[u8], durability: Durability) -> std::io::Result<()> {
+    let mut file = fs::File::create(path)?;
+    file.write_all(bytes)?;
+    if durability == Durability::Power { file.sync_all() } else { Ok(()) }
+}
+
+/// Waits until the new name of a file is on the disk; systems other than Unix cannot be asked to.
+fn sync_folder_of(path: &Path) -> std::io::Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if cfg!(unix) { fs::File::open(folder)?.sync_all() } else { Ok(()) }
 }
 
 /// Makes a folder (with its parents) and proves that files can be written into it, before a run starts.
@@ -190,4 +233,57 @@ pub fn create_output_folder(folder: &Path) -> Result<(), FileError> {
         .and_then(|()| fs::write(&probe, b""))
         .and_then(|()| fs::remove_file(&probe))
         .map_err(|error| FileError::Unwritable { path: folder.to_path_buf(), reason: error.to_string() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WRITERS: [fn(&Path, &[u8]) -> Result<(), FileError>; 2] = [write_atomic, write_durable];
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.bin");
+        for write in WRITERS {
+            write(&path, b"a long first version").unwrap();
+            write(&path, b"short").unwrap();
+            assert_eq!(fs::read(&path).unwrap(), b"short");
+            assert_eq!(names_in(folder.path()), ["map.bin"]);
+        }
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_is_named_and_leaves_no_trace() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("missing/map.bin");
+        let taken = folder.path().join("taken");
+        fs::create_dir_all(taken.join("inside")).unwrap();
+        for write in WRITERS {
+            for path in [&missing, &taken] {
+                let error = write(path, b"x").unwrap_err().to_string();
+                assert!(error.starts_with(&format!("{}: cannot be written: ", path.display())), "{error}");
+            }
+        }
+        assert_eq!(names_in(folder.path()), ["taken"]);
+    }
+
+    #[test]
+    fn many_threads_may_write_the_same_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = &folder.path().join("map.bin");
+        let versions: Vec<Vec<u8>> = (0..4).map(|i| vec![i; 100_000 + usize::from(i)]).collect();
+        std::thread::scope(|scope| {
+            for version in &versions {
+                scope.spawn(|| (0..20).for_each(|_| write_atomic(path, version).unwrap()));
+            }
+        });
+        assert!(versions.contains(&fs::read(path).unwrap()));
+        assert_eq!(names_in(folder.path()), ["map.bin"]);
+    }
 }

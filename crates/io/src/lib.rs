@@ -16,10 +16,10 @@ pub use config::{
     table::SCHEMA,
 };
 pub use dataset::{
-    Calibration, DatasetError, FrameSource, OpenOptions, Sensor, Sequence, SequenceKind, open_sequence,
-    open_sequence_with,
+    Calibration, DatasetError, FrameSource, OpenOptions, RawCalibration, RawCamera, RectifiedView, Sensor,
+    Sequence, SequenceKind, open_sequence, open_sequence_with,
 };
-pub use file::{FileError, create_output_folder, write_atomic};
+pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use images::{
     ImageError, ImageSize, LoadedFrame, Rgb, image_size, load_depth, load_frame, load_gray, save_png_depth,
     save_png_gray, save_png_rgb,

@@ -4,10 +4,12 @@
 
 mod suite {
     mod bad_dataset;
+    mod bad_euroc;
     mod bad_image;
     mod calibration;
     mod config;
     mod config_errors;
+    mod euroc_layout;
     mod images;
     mod kitti_layout;
     mod real_data;

@@ -40,8 +40,8 @@ fn a_file_is_no_sequence() {
 fn an_empty_folder_has_no_known_layout() {
     let folder = tempfile::tempdir().unwrap();
     let expected = format!(
-        "error: {}: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2) or TUM RGB-D \
-         (rgb.txt, depth.txt)",
+        "error: {}: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2), TUM RGB-D \
+         (rgb.txt, depth.txt) or EuRoC (mav0/cam0)",
         folder.path().display()
     );
     dsslam(&["run", text(folder.path())]).expect(2, &expected);

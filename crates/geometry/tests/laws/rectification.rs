@@ -4,7 +4,7 @@ use crate::camera_models::{EUROC_LEFT, TUM_VI_LEFT};
 use crate::support::{generator, random_vec3};
 use geometry::{
     CameraModel, Distortion, Pinhole, RectificationError, SE3, SO3, StereoRectification, Vec2, Vec3,
-    rectify_stereo,
+    rectify_single, rectify_stereo,
 };
 
 const SIZE: (usize, usize) = (752, 480);
@@ -116,6 +116,8 @@ fn a_fisheye_pair_gets_a_bounded_field_of_view() {
     let rig = rectify_stereo(&model, &model, (512, 512), &motion).unwrap().rig;
     let half_angle = (256.0 / rig.camera.fx).atan().to_degrees();
     assert!((45.0..=60.5).contains(&half_angle), "{half_angle} degrees");
+    let single = rectify_single(&model, (512, 512)).expect("an axis in the image");
+    assert!((256.0 / single.fx).atan().to_degrees() > half_angle, "one camera alone shows more");
 }
 
 #[test]
@@ -141,7 +143,7 @@ fn faults_of_the_rig_are_told() {
             fault(straight, -0.1, -0.2, 0.0),
             "found the second camera 0.2000 m along y and 0.1000 m along x of the first, expected it to the right",
         ),
-        (apart, "the two cameras look apart, expected a common field of view"),
+        (apart, "found cameras that look apart, expected a common field of view"),
     ] {
         assert_eq!(error.to_string(), text);
     }

@@ -20,7 +20,8 @@ use serde::{Deserialize, Serialize};
 pub use camera::CameraError;
 pub use problem::{ConfigErrors, Problem, Provenance};
 pub use settings::{
-    CameraSettings, FeatureSettings, InputSettings, MappingSettings, StereoSettings, TrackingSettings,
+    CameraSettings, FeatureSettings, InputSettings, LoopSettings, MappingSettings, RuntimeSettings,
+    StereoSettings, TrackingSettings,
 };
 
 /// A complete, checked configuration. [`crate::SCHEMA`] documents its keys.
@@ -39,6 +40,10 @@ pub struct Config {
     pub tracking: TrackingSettings,
     /// The map.
     pub mapping: MappingSettings,
+    /// Places seen again.
+    pub loops: LoopSettings,
+    /// How the stages of a run share time.
+    pub runtime: RuntimeSettings,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Where each value comes from that is no default.

@@ -112,3 +112,21 @@ pub struct MappingSettings {
     /// Share of frames that find a young point below which it goes.
     pub point_found_ratio: f64,
 }
+
+/// Section `loops`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoopSettings {
+    /// Whether loops are looked for.
+    pub enabled: bool,
+}
+
+/// Section `runtime`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RuntimeSettings {
+    /// Frames after which tracking sees the finished mapping of a keyframe.
+    pub lag: usize,
+    /// Frames after which a loop may be closed.
+    pub loop_lag: usize,
+}

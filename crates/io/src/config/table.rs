@@ -49,5 +49,10 @@ pub const SCHEMA: &[Entry] = &[
     real("mapping.keyframe_cull_ratio", 0.9, "", between(0.1, 1.0), "a keyframe goes when more of its points are seen by three others"),
     real("mapping.point_found_ratio", 0.25, "", between(0.0, 1.0), "a young point goes when it is found in fewer of the frames that should see it"),
 
+    flag("loops.enabled", true, "look for places seen before and correct the map; needs a vocabulary"),
+
+    integer("runtime.lag", 3, "frames", [1, 100], "tracking sees the finished mapping of a keyframe so many frames later; 1: with the next frame"),
+    integer("runtime.loop_lag", 10, "frames", [1, 1000], "a loop may be closed so many frames after the keyframe that found it"),
+
     integer("seed", 1, "", [0, i64::MAX], "seed of all random numbers"),
 ];

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use geometry::RectificationError;
+
 use super::Sensor;
 use crate::file::FileError;
 
@@ -20,9 +22,10 @@ pub enum DatasetError {
         /// The path asked for.
         path: PathBuf,
     },
-    /// The folder has neither of the known layouts.
+    /// The folder has none of the known layouts.
     #[error(
-        "{}: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2) or TUM RGB-D (rgb.txt, depth.txt)",
+        "{}: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2), \
+         TUM RGB-D (rgb.txt, depth.txt) or EuRoC (mav0/cam0)",
         path.display()
     )]
     UnknownLayout {
@@ -54,6 +57,48 @@ pub enum DatasetError {
         path: PathBuf,
         /// `P0` to `P3`.
         camera: String,
+    },
+    /// No two images of a stereo rig were taken at the same time.
+    #[error("{}: found {found}, expected one within {tolerance_ms} ms", path.display())]
+    NoPairs {
+        /// The list of the right images.
+        path: PathBuf,
+        /// What the lists hold.
+        found: String,
+        /// Largest time between the images of a pair, milliseconds.
+        tolerance_ms: f64,
+    },
+    /// A calibration file is no YAML of the expected form.
+    #[error("{}:{line}: broken YAML: {message}", path.display())]
+    Yaml {
+        /// The calibration file.
+        path: PathBuf,
+        /// Line number, from 1.
+        line: u64,
+        /// The parser's message.
+        message: String,
+    },
+    /// A field of a calibration file is missing or wrong.
+    #[error("{}{line}: {field}: found {found}, expected {expected}", path.display())]
+    Field {
+        /// The calibration file.
+        path: PathBuf,
+        /// A colon and the line number, from 1; empty for a missing field.
+        line: String,
+        /// The field.
+        field: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// The cameras of a calibration cannot be rectified.
+    #[error("{}: T_BS: {error}", path.display())]
+    Rectification {
+        /// The calibration file of the right camera.
+        path: PathBuf,
+        /// Why.
+        error: RectificationError,
     },
     /// A text file of the dataset is broken.
     #[error(transparent)]

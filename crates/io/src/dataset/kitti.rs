@@ -62,7 +62,10 @@ pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, Datase
         sensor: images.sensor,
         frames,
         calibration: camera.map(|camera| camera.calibration),
+        raw_calibration: None,
+        rectification: Vec::new(),
         ground_truth,
+        body_from_left: SE3::identity(),
         warnings,
     })
 }

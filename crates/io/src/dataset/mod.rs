@@ -1,21 +1,25 @@
 //! Datasets: which frames there are, their files and times, the camera, the ground truth. No pixel is read here.
 
+mod associate;
 mod calib;
 mod error;
+mod euroc;
 mod kitti;
 mod numbered;
+mod raw;
 mod tum;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use geometry::{Distortion, StereoRig};
+use geometry::{Distortion, SE3, StereoRig};
 use serde::{Deserialize, Serialize};
 
 use crate::images::{ImageError, ImageSize, image_size};
 use crate::trajectory::Trajectory;
 
 pub use error::DatasetError;
+pub use raw::{RawCalibration, RawCamera, RectifiedView};
 
 /// What the camera delivers per frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +40,8 @@ pub enum SequenceKind {
     Kitti,
     /// TUM RGB-D: `rgb.txt`, `depth.txt`.
     TumRgbd,
+    /// EuRoC (ASL): `mav0/cam0`, `mav0/cam1`.
+    Euroc,
 }
 
 /// A camera as a dataset describes it.
@@ -53,7 +59,7 @@ pub struct Calibration {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameSource {
     /// KITTI: the number in the file name; a number whose file is missing is kept, so that no frame is renumbered.
-    /// TUM: the position among the frames, from 0.
+    /// TUM, EuRoC: the position among the frames, from 0.
     pub index: u32,
     /// Seconds.
     pub timestamp_s: f64,
@@ -78,8 +84,16 @@ pub struct Sequence {
     pub frames: Vec<FrameSource>,
     /// The camera, where the dataset has a calibration file.
     pub calibration: Option<Calibration>,
-    /// Poses of the left camera, where the dataset has them.
+    /// The cameras before rectification, where the dataset describes such.
+    pub raw_calibration: Option<RawCalibration>,
+    /// What must be done to the images of each camera, the left one first, before `calibration` holds for them; empty where they
+    /// are used as they are.
+    pub rectification: Vec<RectifiedView>,
+    /// Poses of the body in the world, where the dataset has them; the body is the left camera unless `body_from_left` says
+    /// otherwise.
     pub ground_truth: Option<Trajectory>,
+    /// Pose of the left camera, after rectification, in the body: `world_from_body = world_from_cam * body_from_left^-1`.
+    pub body_from_left: SE3,
     /// What the user should know about the dataset before the run.
     pub warnings: Vec<String>,
 }
@@ -149,6 +163,8 @@ pub fn open_sequence_with(dir: &Path, options: &OpenOptions) -> Result<Sequence,
         tum::open(dir, options)
     } else if kitti::is_kitti(dir) {
         kitti::open(dir, options)
+    } else if let Some(root) = euroc::find_root(dir) {
+        euroc::open(dir, &root, options)
     } else {
         Err(DatasetError::UnknownLayout { path: dir.to_path_buf() })
     }

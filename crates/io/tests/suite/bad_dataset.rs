@@ -34,8 +34,8 @@ fn file_instead_of_folder() {
 fn unknown_layout() {
     assert_eq!(
         refused(&Folder::new(), None),
-        "DIR: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2) or TUM RGB-D \
-         (rgb.txt, depth.txt)"
+        "DIR: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2), TUM RGB-D \
+         (rgb.txt, depth.txt) or EuRoC (mav0/cam0)"
     );
 }
 

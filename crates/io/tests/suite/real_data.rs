@@ -64,12 +64,15 @@ fn tum_association() {
 }
 
 #[test]
-fn euroc_ground_truth() {
-    let Some(data) = std::env::var_os("DSSLAM_DATA") else { return };
-    let path = PathBuf::from(data).join("euroc_MH01_200/mav0/state_groundtruth_estimate0/data.csv");
-    if path.is_file() {
-        let truth = io::read_trajectory(&path).unwrap();
-        assert!((truth.poses[0].world_from_cam.translation.x - 4.726707).abs() < 1e-9);
-        assert!(truth.poses.len() > 1000);
-    }
+fn euroc() {
+    let Some(sequence) = open("euroc_MH01_200", None) else { return };
+    assert_eq!((sequence.frames.len(), sequence.sensor), (200, Sensor::Stereo));
+    assert_eq!((&sequence.name[..], &sequence.warnings[..]), ("euroc_MH01_200", &[][..]));
+    let rig = sequence.calibration.unwrap().rig;
+    assert!((rig.baseline_m - 0.110078).abs() < 1e-6 && (rig.camera.fx - 436.2).abs() < 0.1, "{rig:?}");
+    assert_eq!(load_frame(&sequence.frames[100]).unwrap().size(), sequence.rectification[1].size);
+    // The pose of the body is known at every frame to within the half period of 200 Hz.
+    let truth = sequence.ground_truth.unwrap();
+    assert!((truth.poses[0].world_from_cam.translation.x - 4.726707).abs() < 1e-9);
+    assert!(sequence.frames.iter().all(|frame| truth.find_nearest(frame.timestamp_s, 0.003).is_some()));
 }

@@ -10,6 +10,27 @@ use tempfile::TempDir;
 pub(super) const P0: &str = "P0: 7.0e+02 0 20 0 0 7.0e+02 10 0 0 0 1 0";
 pub(super) const P1: &str = "P1: 7.0e+02 0 20 -378 0 7.0e+02 10 0 0 0 1 0";
 
+/// Nanoseconds of the `i`-th frame of [`Folder::euroc`].
+pub(super) fn euroc_stamp(i: u64) -> u64 {
+    1_403_636_589_763_555_584 + i * 50_000_000
+}
+
+/// An EuRoC camera of 40x20 pixels, `x_m` metres along x of the body; one field a line.
+pub(super) fn sensor_yaml(x_m: f64) -> String {
+    format!(
+        "# a camera\n\
+         sensor_type: camera\n\
+         T_BS:\n  cols: 4\n  rows: 4\n  data: [1.0, 0.0, 0.0, {x_m},\n         0.0, 1.0, 0.0, 0.5,\n         \
+         0.0, 0.0, 1.0, 0.0,\n         0.0, 0.0, 0.0, 1.0]\n\
+         rate_hz: 20\n\
+         resolution: [40, 20]\n\
+         camera_model: pinhole\n\
+         intrinsics: [30.0, 31.0, 19.0, 9.5] #fu, fv, cu, cv\n\
+         distortion_model: radial-tangential\n\
+         distortion_coefficients: [-0.1, 0.01, 0.001, 0.002]\n"
+    )
+}
+
 /// A folder that vanishes with the test.
 pub(super) struct Folder(TempDir);
 
@@ -40,6 +61,22 @@ impl Folder {
             folder.gray(&format!("rgb/{name}.png"), 40, 20);
             let depth = DepthImage::new(40, 20, 5000);
             io::save_png_depth(&folder.prepare(&format!("depth/{name}.png")), &depth).unwrap();
+        }
+        folder
+    }
+
+    /// An EuRoC folder with `n` pairs of 40x20 pixels, twenty a second, and the cameras of [`sensor_yaml`].
+    pub(super) fn euroc(n: u64) -> Self {
+        let folder = Self::new();
+        for (camera, x_m) in [("cam0", 0.0), ("cam1", 0.25)] {
+            let mut list = "#timestamp [ns],filename\n".to_string();
+            for i in 0..n {
+                let stamp = euroc_stamp(i);
+                list += &format!("{stamp},{stamp}.png\r\n");
+                folder.gray(&format!("mav0/{camera}/data/{stamp}.png"), 40, 20);
+            }
+            folder.write(&format!("mav0/{camera}/data.csv"), list);
+            folder.write(&format!("mav0/{camera}/sensor.yaml"), sensor_yaml(x_m));
         }
         folder
     }

@@ -1,0 +1,92 @@
+//! EuRoC (ASL) folders: `mav0/cam0` and `mav0/cam1` with `data.csv`, `data/` and `sensor.yaml`; `state_groundtruth_estimate0`.
+
+mod calibration;
+mod images;
+mod sensor;
+
+use std::path::{Path, PathBuf};
+
+use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, SequenceKind, folder_name};
+use crate::trajectory::read_euroc;
+use calibration::Cameras;
+use images::{Image, ImageList};
+
+/// The folder with the cameras' folders: `dir/mav0` or `dir` itself; `None` when this is no EuRoC sequence.
+pub(super) fn find_root(dir: &Path) -> Option<PathBuf> {
+    [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join("cam0").is_dir())
+}
+
+/// Opens the EuRoC sequence `dir` whose cameras stand in `root`.
+pub(super) fn open(dir: &Path, root: &Path, options: &OpenOptions) -> Result<Sequence, DatasetError> {
+    let mut warnings = Vec::new();
+    let sensor = choose_sensor(dir, root, options.sensor, &mut warnings)?;
+    let left = ImageList::read(&root.join("cam0"))?;
+    let frames = match sensor {
+        Sensor::Stereo => {
+            let right = ImageList::read(&root.join("cam1"))?;
+            let pairs = images::pair(&left, &right, &mut warnings)?;
+            right.warn_of_missing(&mut warnings)?;
+            pairs.iter().zip(0..).map(|((left, right), index)| frame(index, left, Some(right))).collect()
+        }
+        _ => left.images.iter().zip(0..).map(|(left, index)| frame(index, left, None)).collect(),
+    };
+    left.warn_of_missing(&mut warnings)?;
+    let cameras = Cameras::read(root, sensor, &mut warnings)?;
+    let truth = root.join("state_groundtruth_estimate0/data.csv");
+    Ok(Sequence {
+        name: sequence_name(dir),
+        kind: SequenceKind::Euroc,
+        sensor,
+        frames,
+        calibration: cameras.calibration,
+        raw_calibration: cameras.raw,
+        rectification: cameras.views,
+        ground_truth: if truth.is_file() { Some(read_euroc(&truth)?) } else { None },
+        body_from_left: cameras.body_from_left,
+        warnings,
+    })
+}
+
+fn frame(index: u32, left: &Image, right: Option<&Image>) -> FrameSource {
+    FrameSource {
+        index,
+        timestamp_s: left.timestamp_s(),
+        left: left.path.clone(),
+        right: right.map(|image| image.path.clone()),
+        depth: None,
+    }
+}
+
+fn choose_sensor(
+    dir: &Path,
+    root: &Path,
+    wanted: Option<Sensor>,
+    warnings: &mut Vec<String>,
+) -> Result<Sensor, DatasetError> {
+    let right = root.join("cam1");
+    match wanted {
+        Some(Sensor::Rgbd) => Err(DatasetError::SensorUnavailable {
+            path: dir.to_path_buf(),
+            sensor: Sensor::Rgbd,
+            reason: "EuRoC folders hold no depth images".to_string(),
+        }),
+        Some(Sensor::Stereo) if !right.is_dir() => Err(DatasetError::SensorUnavailable {
+            path: dir.to_path_buf(),
+            sensor: Sensor::Stereo,
+            reason: format!("found no folder {}", right.display()),
+        }),
+        Some(sensor) => Ok(sensor),
+        None if right.is_dir() => Ok(Sensor::Stereo),
+        None => {
+            warnings.push(format!("{}: no such folder, so the run is monocular", right.display()));
+            Ok(Sensor::Mono)
+        }
+    }
+}
+
+/// The name of the folder around `mav0`.
+fn sequence_name(dir: &Path) -> String {
+    let name = folder_name(dir);
+    let parent = dir.canonicalize().ok().and_then(|path| path.parent().map(folder_name));
+    parent.filter(|_| name == "mav0").unwrap_or(name)
+}
