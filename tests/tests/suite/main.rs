@@ -6,6 +6,7 @@ mod bad_config;
 mod bad_images;
 mod bad_sequence;
 mod end_to_end;
+mod map_file;
 mod program;
 mod real_data;
 mod sequence;
