@@ -12,9 +12,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
+use features::Rig;
 use geometry::GrayImage;
-use runtime::{SequenceFeed, Setup, Silent};
+use runtime::{Schedule, SequenceFeed, Setup, Silent};
 
 /// Calls of OpenCV's ORB before and after the run; the median of all is U.
 const N_UNIT: usize = 20;
@@ -45,20 +45,16 @@ fn main() {
     let calibration = sequence.calibration.clone().unwrap();
     let image = io::load_gray(&sequence.frames[0].left).unwrap();
     let close_depth_m = 40.0 * calibration.rig.baseline_m;
+    let rig = Rig {
+        stereo: calibration.rig,
+        distortion: calibration.distortion,
+        width: image.width,
+        height: image.height,
+    };
+    let params = slam::Params::stereo(close_depth_m, 10.0);
     let setup = Setup {
-        sensor: runtime::Sensor::Stereo,
-        rig: Arc::new(Rig {
-            stereo: calibration.rig,
-            distortion: calibration.distortion,
-            width: image.width,
-            height: image.height,
-        }),
-        extractor: ExtractorConfig::default(),
-        stereo: StereoConfig::default(),
-        disparity_offset_px: 0.0,
-        calibration_frames: 0,
-        depth: DepthConfig::default(),
-        slam: slam::Params::stereo(close_depth_m, 10.0),
+        schedule: Schedule::Sequential,
+        ..Setup::new(runtime::Sensor::Stereo, Arc::new(rig), params)
     };
     let mut units = unit(&image);
     let feed = SequenceFeed::new(&sequence, None);

@@ -62,6 +62,45 @@ pub(crate) struct RunArgs {
     /// Stops after this many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_frames: Option<u32>,
+    /// How the stages of the run share time.
+    #[arg(long, value_enum, default_value_t = ScheduleArg::Lockstep, help_heading = "Schedule")]
+    pub(crate) schedule: ScheduleArg,
+    /// With --schedule live: frames come at the pace of their timestamps, and are skipped while tracking is behind.
+    #[arg(long, help_heading = "Schedule")]
+    pub(crate) realtime: bool,
+    /// Writes what happened in which order, so that --replay does the run again, bit for bit.
+    #[arg(long, value_name = "FILE", help_heading = "Schedule")]
+    pub(crate) journal: Option<PathBuf>,
+    /// Does the run of a journal again; sequence, configuration, vocabulary and start map must be those of that run.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["schedule", "realtime", "journal"], help_heading = "Schedule")]
+    pub(crate) replay: Option<PathBuf>,
+    /// Does not look for places seen before: the same as --set loops.enabled=false.
+    #[arg(long, help_heading = "Places and maps")]
+    pub(crate) no_loops: bool,
+    /// Vocabulary to recognise places with, in DSSLAM's or ORB-SLAM2's format; by default the one that is part of the
+    /// program.
+    #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
+    pub(crate) vocab: Option<PathBuf>,
+    /// Writes the map at the end of the run.
+    #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
+    pub(crate) save_map: Option<PathBuf>,
+    /// Goes on with the map of a file.
+    #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
+    pub(crate) load_map: Option<PathBuf>,
+    /// With --load-map: only finds the camera in the map and inserts nothing.
+    #[arg(long, requires = "load_map", help_heading = "Places and maps")]
+    pub(crate) localize: bool,
+}
+
+/// How the stages of a run share time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ScheduleArg {
+    /// One after another on one thread.
+    Sequential,
+    /// Each on a thread of its own, with the same results as one after another.
+    Lockstep,
+    /// Each on a thread of its own; tracking never waits for the map.
+    Live,
 }
 
 /// How the images of a sequence are used.

@@ -13,6 +13,8 @@ pub(crate) enum Exit {
     Input,
     /// Results could not be written.
     Output,
+    /// A stage of the run failed, which is a bug; what there was has been written.
+    Failed,
     /// Ended by Ctrl-C (or SIGTERM); what there was has been written.
     Interrupted,
 }
@@ -24,6 +26,7 @@ Exit codes:
   1    the run ended without a usable result (never initialised, no pose)
   2    wrong arguments, configuration or dataset; nothing was run
   3    the results cannot be written
+  4    a stage of the run failed, which is a bug; what there was has been written
   130  interrupted (Ctrl-C, SIGTERM); what there was has been written";
 
 impl Exit {
@@ -34,6 +37,7 @@ impl Exit {
             Exit::Unusable => 1,
             Exit::Input => 2,
             Exit::Output => 3,
+            Exit::Failed => 4,
             Exit::Interrupted => 130,
         }
     }
@@ -86,7 +90,7 @@ mod tests {
 
     #[test]
     fn the_help_names_every_code() {
-        for exit in [Exit::Done, Exit::Unusable, Exit::Input, Exit::Output, Exit::Interrupted] {
+        for exit in [Exit::Done, Exit::Unusable, Exit::Input, Exit::Output, Exit::Failed, Exit::Interrupted] {
             assert!(EXIT_CODES.contains(&format!("\n  {:<4} ", exit.code())), "{exit:?}");
         }
     }

@@ -21,6 +21,9 @@ Examples:
   dsslam run kitti/sequences/06 --config configs/kitti.yaml
   dsslam run kitti/sequences/06 --set features.keep=500 --max-frames 200
   dsslam run rgbd_dataset_freiburg1_desk --config configs/tum-rgbd.yaml
+  dsslam run morning --save-map campus.dsmap
+  dsslam run evening --load-map campus.dsmap --localize
+  dsslam run kitti/sequences/06 --schedule live --realtime --journal run.json
 
 Layouts:
   KITTI odometry   calib.txt, times.txt, image_0 and image_1 (or image_2 and image_3),
@@ -28,8 +31,8 @@ Layouts:
   TUM RGB-D        rgb.txt, depth.txt, groundtruth.txt if there; the camera comes from the
                    configuration
 
-Results: trajectory.kitti.txt, trajectory.tum.txt, trajectory.png, config.yaml, timings.csv,
-summary.json (README.md explains them); results/latest points to the newest run.",
+Results: trajectory.kitti.txt, trajectory.tum.txt, trajectory.png, frames.csv, loops.csv,
+config.yaml, timings.csv, summary.json (README.md explains them); results/latest points to the newest run.",
     )
 }
 

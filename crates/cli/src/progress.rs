@@ -1,7 +1,7 @@
 //! What a person sees while a run goes on: a bar on a terminal, changes of state everywhere.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use runtime::{Event, FrameStatus, Observer};
+use runtime::{Event, FrameStatus, LoopRecord, LoopResult, Observer};
 
 use crate::clock::StopWatch;
 use crate::console;
@@ -44,6 +44,25 @@ impl Progress {
         self.bar.suspend(|| console::note(line));
     }
 
+    fn tell_loop(&self, record: &LoopRecord) {
+        let LoopRecord { frame, matched_frame, result, .. } = record;
+        let line = match result {
+            LoopResult::Closed { inliers, moved_m, joined, .. } => {
+                let joined = if *joined { ", joining two sub-maps" } else { "" };
+                format!(
+                    "loop closed from frame {frame} to {matched_frame}{joined}: {moved_m:.2} m, {inliers} points"
+                )
+            }
+            LoopResult::Rejected(reason) => {
+                format!("loop from frame {frame} to {matched_frame} rejected: {reason}")
+            }
+            LoopResult::Refused(reason) => {
+                format!("loop from frame {frame} to {matched_frame} refused by the map: {reason}")
+            }
+        };
+        self.tell(&line);
+    }
+
     /// Tells changes of state and dropped frames.
     fn tell_changes(&mut self, index: u32, status: &FrameStatus) {
         let state = match status {
@@ -78,7 +97,7 @@ impl Progress {
 }
 
 impl Observer for Progress {
-    fn event(&mut self, event: &Event<'_>) {
+    fn event(&mut self, event: &Event) {
         match event {
             Event::Started { frames } => {
                 self.bar.set_length(*frames as u64);
@@ -106,7 +125,20 @@ impl Observer for Progress {
             Event::Calibrated { estimate: None } => {
                 self.tell("stereo calibration left as it is: too few keyframes tell of a disparity offset");
             }
-            Event::Keyframe { .. } => {}
+            Event::Relocalised { frame, .. } => {
+                self.tell(&format!("place recognised at frame {frame}"));
+            }
+            Event::SubmapStarted { frame, .. } => {
+                self.tell(&console::warning(format!("new sub-map from frame {frame} on")));
+            }
+            Event::Loop(record) => self.tell_loop(record),
+            Event::GlobalRefused { reason } => {
+                self.tell(&console::warning(format!("a global bundle adjustment was refused: {reason}")));
+            }
+            Event::Keyframe { .. }
+            | Event::LoopFound { .. }
+            | Event::GlobalAdopted { .. }
+            | Event::GlobalDiscarded => {}
         }
     }
 }

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail, ensure};
 use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
 use io::{
-    Config, FeatureSettings, ImageSize, MappingSettings, Sensor, Sequence, StereoSettings, TrackingSettings,
+    Config, FeatureSettings, ImageSize, LoopSettings, MappingSettings, RuntimeSettings, Sensor, Sequence,
+    StereoSettings, TrackingSettings,
 };
 use runtime::Setup;
 use slam::Params;
@@ -46,15 +47,17 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
     let close_depth_m = config.stereo.close_depth_baselines * camera.rig.baseline_m;
     let rig =
         Rig { stereo: camera.rig, distortion: camera.distortion, width: size.width, height: size.height };
+    let RuntimeSettings { lag, loop_lag } = config.runtime;
+    let params = slam_params(config, run_sensor, close_depth_m);
     Ok(Setup {
-        sensor: run_sensor,
         extractor: extractor(&config.features),
         stereo: stereo(&config.stereo),
         disparity_offset_px: config.stereo.disparity_offset_px,
         calibration_frames: config.stereo.calibration_frames,
         depth: DepthConfig { units_per_metre: config.camera.depth_units_per_metre, ..DepthConfig::default() },
-        slam: slam_params(config, run_sensor, close_depth_m),
-        rig: Arc::new(rig),
+        lag,
+        loop_lag,
+        ..Setup::new(run_sensor, Arc::new(rig), params)
     })
 }
 
@@ -103,6 +106,8 @@ fn slam_params(config: &Config, sensor: runtime::Sensor, close_depth_m: f64) -> 
     params.mapping.second_iterations = local_ba_second_iterations;
     params.mapping.redundant_ratio = keyframe_cull_ratio;
     params.mapping.min_found_ratio = point_found_ratio;
+    let LoopSettings { enabled } = config.loops;
+    params.loops.enabled = enabled;
     params.seed = config.seed;
     params
 }

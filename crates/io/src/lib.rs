@@ -10,8 +10,8 @@ mod images;
 mod trajectory;
 
 pub use config::{
-    CameraError, CameraSettings, Config, ConfigErrors, FeatureSettings, InputSettings, MappingSettings,
-    Problem, Provenance, StereoSettings, TrackingSettings,
+    CameraError, CameraSettings, Config, ConfigErrors, FeatureSettings, InputSettings, LoopSettings,
+    MappingSettings, Problem, Provenance, RuntimeSettings, StereoSettings, TrackingSettings,
     schema::{Entry, Kind, Literal, Range},
     table::SCHEMA,
 };

@@ -3,11 +3,12 @@
 use map::KeyframeId;
 use slam::{KeyframeReason, MappingReport, OffsetEstimate, TrackStats};
 
+use crate::map_log::LoopRecord;
 use crate::record::FrameStatus;
 
-/// One thing that happened.
+/// One thing that happened. Where stages run on threads, events of different stages come in any order.
 #[derive(Clone, Debug)]
-pub enum Event<'a> {
+pub enum Event {
     /// The run begins.
     Started {
         /// Frames to come.
@@ -30,19 +31,28 @@ pub enum Event<'a> {
         /// Number of the frame in its sequence.
         index: u32,
         /// What became of it.
-        status: &'a FrameStatus,
+        status: FrameStatus,
         /// Counts of tracking.
         stats: TrackStats,
         /// Features in the frame, and of those with depth.
         features: usize,
         /// Features with a depth.
         with_depth: usize,
-        /// Keyframes in the map.
+        /// Keyframes in the map that it saw.
         keyframes: usize,
-        /// Points in the map.
+        /// Points in that map.
         points: usize,
-        /// Time from the decoded images to the pose, milliseconds.
+        /// Work from the decoded images to the pose, milliseconds.
         track_ms: f64,
+    },
+    /// A lost camera, or one in a map from a file, found its place again.
+    Relocalised {
+        /// Number of the frame in its sequence.
+        frame: u32,
+        /// The keyframe that its pose refers to.
+        keyframe: KeyframeId,
+        /// The sub-map of that keyframe, named by its root.
+        submap: Option<KeyframeId>,
     },
     /// A keyframe was inserted and its mapping is done.
     Keyframe {
@@ -55,12 +65,42 @@ pub enum Event<'a> {
         /// What mapping did.
         report: MappingReport,
     },
+    /// After a lasting loss a new sub-map was started.
+    SubmapStarted {
+        /// Number of the frame in its sequence.
+        frame: u32,
+        /// Its keyframe, which is the root of the sub-map.
+        keyframe: KeyframeId,
+    },
+    /// A keyframe sees a place again; the loop will be closed.
+    LoopFound {
+        /// The keyframe.
+        keyframe: KeyframeId,
+        /// That of the earlier visit.
+        matched: KeyframeId,
+        /// Matches that agree with the loop's geometry.
+        inliers: usize,
+    },
+    /// A loop was closed, or rejected.
+    Loop(LoopRecord),
+    /// A global bundle adjustment was taken over.
+    GlobalAdopted {
+        /// Its cost before and after.
+        cost: [f64; 2],
+    },
+    /// A global bundle adjustment was given up, since another loop was closed meanwhile.
+    GlobalDiscarded,
+    /// The map refused a global bundle adjustment.
+    GlobalRefused {
+        /// Why.
+        reason: String,
+    },
 }
 
 /// Listens to a run.
 pub trait Observer {
     /// Something happened.
-    fn event(&mut self, event: &Event<'_>);
+    fn event(&mut self, event: &Event);
 }
 
 /// Listens to nothing.
@@ -68,5 +108,5 @@ pub trait Observer {
 pub struct Silent;
 
 impl Observer for Silent {
-    fn event(&mut self, _: &Event<'_>) {}
+    fn event(&mut self, _: &Event) {}
 }

@@ -1,19 +1,56 @@
-//! Schedules, image prefetching and timings: the only crate with threads and clocks.
+//! Schedules, threads, journal and timings: the only crate with threads and clocks.
 //!
-//! [`run`] takes frames from a [`FrameFeed`], decodes them ahead on a thread of its own and drives tracking and mapping
-//! in turn (the sequential schedule): the same frames and setup give the same bits. Start reading at `sequential.rs`.
+//! [`run`] takes frames from a [`FrameFeed`] through the stages: decode, extract, track, map, and beside mapping the
+//! services that find loops and adjust the whole map. One mapping stage owns the world and shows immutable snapshots of it
+//! to tracking; stages exchange values over bounded channels and end when a neighbour is gone.
+//!
+//! | schedule | threads | what tracking sees |
+//! |---|---|---|
+//! | `Sequential` | one, beside decoding | the state of the rule |
+//! | `Lockstep` | one per stage | the state of the rule; whoever is early waits |
+//! | `Live` | one per stage | the newest state; its [`Journal`] does the run again |
+//!
+//! The rule (`rule.rs`) knows frame numbers only: the same frames and setup give the same bits with the first two.
+//! Start reading there, then `logical.rs` (mapping by the rule), `mapping.rs` (the operations), `track.rs` and
+//! `threads.rs` (how stages are joined).
 
+mod corrections;
 mod events;
+mod extract;
+mod failure;
+mod faults;
 mod feed;
-mod prefetch;
+mod fetch;
+mod fingerprint;
+mod in_turn;
+mod job;
+mod journal;
+mod live;
+mod logical;
+mod map_log;
+mod mapping;
+mod outbox;
+mod outcome;
 mod record;
-mod sequential;
+mod replay;
+mod rule;
+mod run;
+mod service;
 mod setup;
+mod thread_work;
+mod threads;
 mod timings;
+mod track;
+mod view;
 
 pub use events::{Event, Observer, Silent};
+pub use failure::StageFailure;
+pub use faults::Faults;
 pub use feed::{FrameFeed, FrameInfo, SequenceFeed};
+pub use journal::{Journal, JournalError};
+pub use map_log::{LoopRecord, LoopResult, Statistics};
 pub use record::{FrameRecord, FrameStatus, RunError, RunOutcome};
-pub use sequential::run;
-pub use setup::{Sensor, Setup};
+pub use replay::replay;
+pub use run::run;
+pub use setup::{DEFAULT_LAG, DEFAULT_LOOP_LAG, Schedule, Sensor, Setup};
 pub use timings::{FrameTimings, Summary, Timings};

@@ -1,10 +1,13 @@
-//! What a run leaves: a record per frame, the map, the timings.
+//! What a run leaves: a record per frame, the map, the loops, the timings.
 
 use geometry::SE3;
 use map::{KeyframeId, Map};
 use slam::{Lost, NotReady, OffsetEstimate};
 use thiserror::Error;
 
+use crate::failure::StageFailure;
+use crate::journal::{Journal, JournalError};
+use crate::map_log::{LoopRecord, Statistics};
 use crate::timings::Timings;
 
 /// What became of a frame.
@@ -14,12 +17,12 @@ pub enum FrameStatus {
     NotReady(NotReady),
     /// The frame has a pose.
     Tracked {
-        /// Map points that agree with the pose; 0 for the frame that started the map.
+        /// Map points that agree with the pose; 0 for a frame that started a map.
         inliers: usize,
     },
     /// Tracking failed.
     Lost(Lost),
-    /// The images could not be used.
+    /// The images could not be used, or came while tracking was behind.
     Dropped(String),
 }
 
@@ -42,23 +45,34 @@ pub struct FrameRecord {
     /// Final pose, after all corrections of the map; of lost and dropped frames the last one known, `None` before
     /// the map was started.
     pub world_from_cam: Option<SE3>,
+    /// The sub-map that the pose belongs to, named by the root of its keyframes. Poses of different sub-maps have nothing
+    /// to do with each other.
+    pub submap: Option<KeyframeId>,
 }
 
-/// A run's results. Complete up to where it was interrupted.
+/// A run's results. Complete up to where it was interrupted or where a stage failed.
 #[derive(Clone, Debug)]
 pub struct RunOutcome {
     /// One record per frame that was read.
     pub frames: Vec<FrameRecord>,
-    /// The map.
+    /// The map; after a failure of mapping the last state that was shown to tracking.
     pub map: Map,
+    /// Loops that were looked at closely, in order.
+    pub loops: Vec<LoopRecord>,
+    /// How often things happened.
+    pub statistics: Statistics,
     /// Disparity offset in force, pixels; see [`Setup`](crate::Setup).
     pub disparity_offset_px: f64,
     /// What the calibration pass found, if there was one and the images told.
     pub calibration: Option<OffsetEstimate>,
     /// Wall-clock times.
     pub timings: Timings,
-    /// Whether the run was stopped before its last frame.
+    /// In which order things happened; [`replay`](crate::replay) does the same again.
+    pub journal: Journal,
+    /// Whether the run was stopped before its last frame or its last correction.
     pub interrupted: bool,
+    /// The stage that ended the run, if one did.
+    pub failure: Option<StageFailure>,
 }
 
 /// Why a run could not begin.
@@ -67,23 +81,35 @@ pub enum RunError {
     /// There is nothing to run on.
     #[error("the sequence has no frames")]
     NoFrames,
-    /// The thread that decodes images could not be started.
-    #[error("the decoding thread could not be started: {0}")]
-    Thread(String),
+    /// A thread could not be started.
+    #[error("the thread `{stage}` could not be started: {reason}")]
+    Thread {
+        /// Its name.
+        stage: &'static str,
+        /// What the operating system says.
+        reason: String,
+    },
+    /// The journal cannot be replayed.
+    #[error("the file {0}")]
+    Journal(#[from] JournalError),
 }
 
 /// A frame's pose relative to a keyframe, until the map is final.
 #[derive(Clone, Debug)]
 pub(crate) struct RelativePose {
-    pub(crate) reference: KeyframeId,
-    pub(crate) cam_from_reference: SE3,
+    pub(crate) keyframe: KeyframeId,
+    pub(crate) cam_from_keyframe: SE3,
+    /// [`Map::scale_of`] the keyframe when the pose was found.
+    pub(crate) scale: f64,
 }
 
 impl RelativePose {
-    /// The pose in the final map, through keyframes that were removed since.
+    /// The pose in the final map, through keyframes that were removed since; lengths follow the keyframe's scale.
     pub(crate) fn world_from_cam(&self, map: &Map) -> Option<SE3> {
-        let (alive, reference_from_alive) = map.resolve_keyframe(self.reference)?;
+        let (alive, keyframe_from_alive) = map.resolve_keyframe(self.keyframe)?;
         let alive_from_world = map.keyframe(alive)?.cam_from_world;
-        Some((self.cam_from_reference * reference_from_alive * alive_from_world).normalized().inverse())
+        let mut cam_from_keyframe = self.cam_from_keyframe;
+        cam_from_keyframe.translation *= map.scale_of(self.keyframe) / self.scale;
+        Some((cam_from_keyframe * keyframe_from_alive * alive_from_world).normalized().inverse())
     }
 }

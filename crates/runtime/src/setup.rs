@@ -2,8 +2,14 @@
 
 use std::sync::Arc;
 
+use bow::Vocabulary;
 use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
-use slam::Params;
+use map::Map;
+use slam::{Params, World};
+
+use crate::faults::Faults;
+use crate::fingerprint::Fingerprint;
+use crate::rule::Rule;
 
 /// Which images a frame has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +18,22 @@ pub enum Sensor {
     Stereo,
     /// Grey image with a registered depth image.
     Rgbd,
+}
+
+/// How the stages of a run share time. `Sequential` and `Lockstep` give the same bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Schedule {
+    /// All stages in turn on one thread; only images are decoded ahead.
+    Sequential,
+    /// Each stage on a thread of its own; what tracking sees depends on frame numbers alone, and whoever is early waits.
+    #[default]
+    Lockstep,
+    /// Each stage on a thread of its own; tracking never waits and sees the newest map.
+    Live {
+        /// Frames come at the pace of their timestamps, and are skipped while tracking is behind. Otherwise each comes
+        /// when tracking is ready for it.
+        realtime: bool,
+    },
 }
 
 /// Camera and parameters of a run.
@@ -31,6 +53,68 @@ pub struct Setup {
     pub calibration_frames: usize,
     /// Depth association.
     pub depth: DepthConfig,
-    /// Tracking and mapping.
+    /// Tracking, mapping and loop closing.
     pub slam: Params,
+    /// Words to recognise places with; without them there are no loops and no relocalisation.
+    pub vocabulary: Option<Arc<Vocabulary>>,
+    /// A map to go on with, for instance from a file.
+    pub start: Option<Map>,
+    /// How stages share time.
+    pub schedule: Schedule,
+    /// Frames after which tracking sees the finished mapping of a keyframe, at least 1; the keyframe itself is seen at
+    /// once. Without meaning for `Live`.
+    pub lag: usize,
+    /// Frames after which a loop found at a keyframe may be closed. Without meaning for `Live`.
+    pub loop_lag: usize,
+    /// Test aids.
+    pub faults: Faults,
 }
+
+impl Setup {
+    /// A setup with the defaults of everything that is neither camera nor SLAM.
+    pub fn new(sensor: Sensor, rig: Arc<Rig>, slam: Params) -> Self {
+        Setup {
+            sensor,
+            rig,
+            extractor: ExtractorConfig::default(),
+            stereo: StereoConfig::default(),
+            disparity_offset_px: 0.0,
+            calibration_frames: 0,
+            depth: DepthConfig::default(),
+            slam,
+            vocabulary: None,
+            start: None,
+            schedule: Schedule::default(),
+            lag: DEFAULT_LAG,
+            loop_lag: DEFAULT_LOOP_LAG,
+            faults: Faults::default(),
+        }
+    }
+
+    pub(crate) fn rule(&self) -> Rule {
+        Rule { lag: self.lag.max(1), loop_lag: self.loop_lag }
+    }
+
+    /// The world that a run begins with.
+    pub(crate) fn world(&self) -> World {
+        match &self.start {
+            None => World::new(self.vocabulary.clone()),
+            Some(map) => World::from_map(map.clone(), self.vocabulary.clone()),
+        }
+    }
+
+    /// A number for everything that a run's bits depend on beside its frames and its schedule.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        let mut print = Fingerprint::default();
+        print.add(format!("{:?}", (self.sensor, &self.rig, &self.extractor, &self.stereo)).as_bytes());
+        print.add(format!("{:?}", (&self.depth, &self.slam)).as_bytes());
+        print.add(self.vocabulary.as_ref().map_or(&[][..], |vocabulary| vocabulary.as_bytes()));
+        print.add(&self.start.as_ref().map_or(0, Map::digest).to_le_bytes());
+        print.value()
+    }
+}
+
+/// Default of [`Setup::lag`].
+pub const DEFAULT_LAG: usize = 3;
+/// Default of [`Setup::loop_lag`].
+pub const DEFAULT_LOOP_LAG: usize = 10;

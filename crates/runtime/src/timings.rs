@@ -1,7 +1,8 @@
 //! Wall-clock times per frame and stage, measured at the rim.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+use crossbeam::channel::{Receiver, RecvTimeoutError};
 use slam::{Probe, Stage};
 
 /// Times of one frame, in milliseconds.
@@ -96,6 +97,13 @@ impl Stopwatch {
         self.row.stages.push((name, ms));
     }
 
+    /// Adds to the time that was recorded last, milliseconds.
+    pub(crate) fn add_to_last(&mut self, ms: f64) {
+        if let Some((_, last)) = self.row.stages.last_mut() {
+            *last += ms;
+        }
+    }
+
     /// The last time recorded under `name`, milliseconds.
     pub(crate) fn last(&self, name: &str) -> f64 {
         self.row.stages.iter().rev().find(|(stage, _)| *stage == name).map_or(0.0, |(_, ms)| *ms)
@@ -115,6 +123,26 @@ impl Probe for Stopwatch {
         if let Some(start) = self.running.take() {
             self.row.stages.push((stage.name(), milliseconds(start)));
         }
+    }
+}
+
+/// The pace of timestamps.
+#[derive(Debug)]
+pub(crate) struct Pace {
+    start: Instant,
+}
+
+impl Pace {
+    /// Time 0 is now.
+    pub(crate) fn start() -> Self {
+        Pace { start: now() }
+    }
+
+    /// Waits until `seconds` after the start; whether the sender of `open` was still there then.
+    pub(crate) fn wait(&self, seconds: f64, open: &Receiver<()>) -> bool {
+        let due = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+        let left = due.saturating_sub(now().duration_since(self.start));
+        !matches!(open.recv_timeout(left), Err(RecvTimeoutError::Disconnected))
     }
 }
 

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
+use features::{ExtractorConfig, Rig};
 use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
 use io::LoadedFrame;
-use runtime::{Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Sensor, Setup, Silent, run};
+use runtime::{
+    Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Schedule, Sensor, Setup, Silent, run,
+};
 use slam::{NotReady, Params};
 
 const WIDTH: usize = 320;
@@ -67,15 +69,11 @@ fn wall(shift: usize) -> GrayImage {
 fn setup() -> Setup {
     let camera = Pinhole { fx: 300.0, fy: 300.0, cx: 160.0, cy: 100.0 };
     let stereo = StereoRig { camera, baseline_m: 0.5 };
+    let rig = Rig { stereo, distortion: Distortion::default(), width: WIDTH, height: HEIGHT };
     Setup {
-        sensor: Sensor::Stereo,
-        rig: Arc::new(Rig { stereo, distortion: Distortion::default(), width: WIDTH, height: HEIGHT }),
         extractor: ExtractorConfig { keep: 500, ..ExtractorConfig::default() },
-        stereo: StereoConfig::default(),
-        disparity_offset_px: 0.0,
-        calibration_frames: 0,
-        depth: DepthConfig::default(),
-        slam: Params::stereo(40.0, 10.0),
+        schedule: Schedule::Sequential,
+        ..Setup::new(Sensor::Stereo, Arc::new(rig), Params::stereo(40.0, 10.0))
     }
 }
 
@@ -116,7 +114,7 @@ struct Stopper<'a> {
 }
 
 impl Observer for Stopper<'_> {
-    fn event(&mut self, event: &Event<'_>) {
+    fn event(&mut self, event: &Event) {
         if let Event::Frame { .. } = event {
             self.after -= 1;
             if self.after == 0 {

@@ -15,7 +15,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/bow", &["geometry", "features"]),
     ("crates/map", &["geometry", "features"]),
     ("crates/slam", &["geometry", "features", "optim", "map"]),
-    ("crates/runtime", &["geometry", "features", "map", "slam", "io"]),
+    ("crates/runtime", &["geometry", "features", "bow", "map", "slam", "io"]),
     ("crates/synth", &["geometry", "io"]),
     ("eval", &["geometry", "io"]),
     (

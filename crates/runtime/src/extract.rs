@@ -1,0 +1,83 @@
+//! From decoded images to a frame with features, or the reason why there is none. Needs no map.
+
+use std::sync::Arc;
+
+use features::{Frame, FrameBuilder};
+use io::LoadedFrame;
+
+use crate::feed::FrameInfo;
+use crate::fetch::Fetched;
+use crate::setup::{Sensor, Setup};
+use crate::timings::Stopwatch;
+
+/// A frame on its way to tracking.
+pub(crate) struct Extracted {
+    /// Position in the feed.
+    pub(crate) n: usize,
+    pub(crate) info: FrameInfo,
+    pub(crate) frame: Result<Arc<Frame>, String>,
+    pub(crate) watch: Stopwatch,
+}
+
+/// The stage that extracts features.
+pub(crate) struct ExtractStage<'a> {
+    setup: &'a Setup,
+    builder: FrameBuilder,
+}
+
+impl<'a> ExtractStage<'a> {
+    pub(crate) fn new(setup: &'a Setup, disparity_offset_px: f64) -> Self {
+        let builder = FrameBuilder::new(
+            setup.rig.clone(),
+            setup.extractor.clone(),
+            setup.stereo.clone(),
+            setup.depth.clone(),
+        );
+        ExtractStage { setup, builder: builder.with_disparity_offset(disparity_offset_px) }
+    }
+
+    /// Makes a frame of images.
+    pub(crate) fn extract(&mut self, fetched: Fetched) -> Extracted {
+        let Fetched { n, info, images, decode_ms } = fetched;
+        let mut watch = Stopwatch::new(info.index);
+        watch.add("decode", decode_ms);
+        let frame = images.and_then(|images| usable(images, self.setup)).map(|images| {
+            watch.time("extract", |_| Arc::new(build(&mut self.builder, self.setup.sensor, info, &images)))
+        });
+        Extracted { n, info, frame, watch }
+    }
+}
+
+/// Whether the images fit the camera and each other.
+fn usable(images: LoadedFrame, setup: &Setup) -> Result<LoadedFrame, String> {
+    let expected = (setup.rig.width, setup.rig.height);
+    let check = |name: &str, width: usize, height: usize| {
+        if (width, height) == expected {
+            return Ok(());
+        }
+        Err(format!(
+            "the {name} image is {width} x {height} pixels, expected {} x {}",
+            expected.0, expected.1
+        ))
+    };
+    check("left", images.left.width, images.left.height)?;
+    match setup.sensor {
+        Sensor::Stereo => {
+            let right = images.right.as_ref().ok_or("there is no right image")?;
+            check("right", right.width, right.height)?;
+        }
+        Sensor::Rgbd => {
+            let depth = images.depth.as_ref().ok_or("there is no depth image")?;
+            check("depth", depth.width, depth.height)?;
+        }
+    }
+    Ok(images)
+}
+
+fn build(builder: &mut FrameBuilder, sensor: Sensor, info: FrameInfo, images: &LoadedFrame) -> Frame {
+    match (sensor, &images.right, &images.depth) {
+        (Sensor::Stereo, Some(right), _) => builder.stereo(info.index, info.timestamp_s, &images.left, right),
+        (Sensor::Rgbd, _, Some(depth)) => builder.rgbd(info.index, info.timestamp_s, &images.left, depth),
+        _ => builder.mono(info.index, info.timestamp_s, &images.left),
+    }
+}

@@ -1,0 +1,66 @@
+//! Images are decoded ahead on one thread; bounded channels keep memory small.
+
+use crossbeam::channel::{Receiver, Sender, TrySendError};
+use io::LoadedFrame;
+
+use crate::faults::StageFaults;
+use crate::feed::{FrameFeed, FrameInfo};
+use crate::timings::{Pace, timed};
+
+/// Frames decoded ahead.
+pub(crate) const AHEAD: usize = 3;
+
+/// A frame on its way from the decoder to feature extraction.
+pub(crate) struct Fetched {
+    /// Position in the feed.
+    pub(crate) n: usize,
+    pub(crate) info: FrameInfo,
+    pub(crate) images: Result<LoadedFrame, String>,
+    pub(crate) decode_ms: f64,
+}
+
+/// Loads the `n`-th frame of a feed.
+pub(crate) fn fetch(feed: &dyn FrameFeed, n: usize) -> Fetched {
+    let (images, decode_ms) = timed(|| feed.load(n));
+    Fetched { n, info: feed.info(n), images, decode_ms }
+}
+
+/// Sends the first `frames` frames in order, each as soon as there is room, until nobody reads any more.
+pub(crate) fn ahead(feed: &dyn FrameFeed, frames: usize, mut faults: StageFaults, to: &Sender<Fetched>) {
+    for n in 0..frames {
+        faults.step();
+        if to.send(fetch(feed, n)).is_err() {
+            return;
+        }
+    }
+}
+
+/// Sends frames at the pace of their timestamps. `slot` and `taken` are the ends of a channel for one frame: a frame
+/// that nobody has taken by the time of the next one is replaced by it. Ends early when `reader_is_there` is closed.
+pub(crate) fn paced(
+    feed: &dyn FrameFeed,
+    frames: usize,
+    mut faults: StageFaults,
+    (slot, taken): (&Sender<Fetched>, &Receiver<Fetched>),
+    reader_is_there: &Receiver<()>,
+) {
+    let pace = Pace::start();
+    for n in 0..frames {
+        faults.step();
+        let seconds = feed.info(n).timestamp_s - feed.info(0).timestamp_s;
+        let fetched = fetch(feed, n);
+        if !pace.wait(seconds, reader_is_there) {
+            return;
+        }
+        replace(slot, taken, fetched);
+    }
+}
+
+/// Puts a value into a channel for one, in the place of one that nobody has taken yet.
+pub(crate) fn replace<T>(slot: &Sender<T>, taken: &Receiver<T>, mut value: T) {
+    while let Err(TrySendError::Full(back)) = slot.try_send(value) {
+        // Either the reader has just taken the older value, or it is dropped here.
+        drop(taken.try_recv());
+        value = back;
+    }
+}

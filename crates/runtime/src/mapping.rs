@@ -1,0 +1,285 @@
+//! The mapping stage: the operations of the map, one method each, noted in the journal. Who calls them in which order is
+//! the schedule's business.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use map::KeyframeId;
+use slam::{KeyframeRequest, LoopCorrection, LoopOutcome, Mapper, World};
+
+use crate::corrections::{
+    GlobalAnswer, GlobalQuestion, GlobalService, LoopAnswer, LoopQuestion, LoopService, StageTimes,
+};
+use crate::events::Event;
+use crate::failure::Halt;
+use crate::journal::Operation;
+use crate::map_log::{InsertedFrame, LoopRecord, LoopResult, MapLog};
+use crate::service::Answer;
+use crate::setup::Setup;
+use crate::timings::Stopwatch;
+use crate::track::Message;
+use crate::view::Published;
+
+/// The stage.
+pub(crate) struct MapStage<'a> {
+    pub(crate) mapper: Mapper,
+    /// `None`: loops are not looked for.
+    loops: Option<LoopService<'a>>,
+    global: GlobalService<'a>,
+    /// Loops that were asked for, in the order of their keyframes.
+    pub(crate) coming_loops: VecDeque<ComingLoop>,
+    pub(crate) coming_global: Option<ComingGlobal>,
+    /// Keyframes asked for, and those whose mapping is done.
+    requests: usize,
+    refined: usize,
+}
+
+/// A loop that was asked for.
+pub(crate) struct ComingLoop {
+    /// Position of the keyframe's frame in the feed.
+    pub(crate) n: usize,
+    pub(crate) keyframe: KeyframeId,
+    pub(crate) answer: Answer<LoopQuestion, LoopAnswer>,
+}
+
+/// A global solution that was asked for.
+pub(crate) struct ComingGlobal {
+    /// Position of the frame of the loop that started it.
+    pub(crate) n: usize,
+    /// The frame from which on it may be taken over.
+    pub(crate) due: usize,
+    pub(crate) answer: Answer<GlobalQuestion, GlobalAnswer>,
+}
+
+/// A loop that was found and not closed yet.
+pub(crate) struct FoundLoop {
+    pub(crate) n: usize,
+    pub(crate) found: Box<LoopCorrection>,
+}
+
+/// Where the stage writes to.
+pub(crate) struct Out<'o> {
+    pub(crate) log: &'o mut MapLog,
+    pub(crate) emit: &'o mut dyn FnMut(Event),
+    pub(crate) publish: &'o mut dyn FnMut(Published),
+}
+
+impl<'a> MapStage<'a> {
+    /// A stage that goes on with `world`.
+    pub(crate) fn new(
+        setup: &Setup,
+        world: World,
+        loops: Option<LoopService<'a>>,
+        global: GlobalService<'a>,
+    ) -> Self {
+        MapStage {
+            mapper: Mapper::new(setup.slam.clone(), world),
+            loops,
+            global,
+            coming_loops: VecDeque::new(),
+            coming_global: None,
+            requests: 0,
+            refined: 0,
+        }
+    }
+
+    /// Shows the world as it is now to tracking.
+    pub(crate) fn publish(&self, out: &mut Out<'_>) {
+        (out.publish)(Published {
+            world: Arc::new(self.mapper.world().clone()),
+            operation: out.log.operations.len(),
+            inserted: self.requests,
+            refined: self.refined,
+        });
+    }
+
+    /// Adds the statistics of a tracked frame.
+    pub(crate) fn count(&mut self, message: &Message, out: &mut Out<'_>) {
+        out.log.operations.push(Operation::Count(message.n));
+        self.mapper.count(&message.counts);
+    }
+
+    /// Inserts a keyframe; `None` if the map refuses it.
+    pub(crate) fn insert(
+        &mut self,
+        n: usize,
+        request: &KeyframeRequest,
+        out: &mut Out<'_>,
+    ) -> Option<KeyframeId> {
+        out.log.operations.push(Operation::Insert(n));
+        self.requests += 1;
+        let mut watch = Stopwatch::new(request.frame.index);
+        let inserted = self.mapper.insert(request, &mut watch);
+        out.log.times.push((n, watch.finish().stages));
+        let keyframe = inserted?;
+        out.log.inserted.push(InsertedFrame { n, index: request.frame.index, keyframe });
+        let map = &self.mapper.world().map;
+        let is_root = map.keyframe(keyframe).is_some_and(|k| k.parent().is_none());
+        if is_root && map.n_keyframes() > 1 {
+            out.log.statistics.submaps_started += 1;
+            (out.emit)(Event::SubmapStarted { frame: request.frame.index, keyframe });
+        }
+        Some(keyframe)
+    }
+
+    /// The slow work on a keyframe that was inserted, or on none.
+    pub(crate) fn refine(
+        &mut self,
+        n: usize,
+        request: &KeyframeRequest,
+        keyframe: Option<KeyframeId>,
+        out: &mut Out<'_>,
+    ) {
+        out.log.operations.push(Operation::Refine(n));
+        self.refined += 1;
+        let Some(id) = keyframe else { return };
+        let mut watch = Stopwatch::new(request.frame.index);
+        let report = watch.time("map", |watch| self.mapper.refine(id, watch));
+        out.log.times.push((n, watch.finish().stages));
+        (out.emit)(Event::Keyframe { id, frame: request.frame.index, reason: request.reason, report });
+    }
+
+    /// Asks whether a keyframe whose mapping is done sees a place again.
+    pub(crate) fn ask_for_loop(&mut self, n: usize, keyframe: Option<KeyframeId>) -> Result<(), Halt> {
+        let (Some(loops), Some(keyframe)) = (&self.loops, keyframe) else { return Ok(()) };
+        if self.mapper.world().map.keyframe(keyframe).is_none() {
+            return Ok(());
+        }
+        let answer = loops.ask((keyframe, Arc::new(self.mapper.world().clone())))?;
+        self.coming_loops.push_back(ComingLoop { n, keyframe, answer });
+        Ok(())
+    }
+
+    /// Waits for the answer about the oldest keyframe that was asked for; a loop, if it is one.
+    pub(crate) fn next_loop(&mut self, out: &mut Out<'_>) -> Result<Option<FoundLoop>, Halt> {
+        let (Some(loops), Some(coming)) = (&mut self.loops, self.coming_loops.pop_front()) else {
+            return Ok(None);
+        };
+        let (outcome, times) = loops.wait(coming.answer)?;
+        Ok(self.judge(coming.n, coming.keyframe, outcome, times, out))
+    }
+
+    /// Notes what became of the search for a loop.
+    pub(crate) fn judge(
+        &self,
+        n: usize,
+        keyframe: KeyframeId,
+        outcome: LoopOutcome,
+        times: StageTimes,
+        out: &mut Out<'_>,
+    ) -> Option<FoundLoop> {
+        out.log.times.push((n, times));
+        match outcome {
+            LoopOutcome::None(_) => None,
+            LoopOutcome::Rejected { candidate, reason } => {
+                let result = LoopResult::Rejected(reason.to_string());
+                self.note_loop(keyframe, candidate, result, out);
+                None
+            }
+            LoopOutcome::Closed(found) => {
+                (out.emit)(Event::LoopFound { keyframe, matched: found.matched, inliers: found.inliers });
+                Some(FoundLoop { n, found })
+            }
+        }
+    }
+
+    /// Closes a loop; whether the map took it.
+    pub(crate) fn close_loop(&mut self, FoundLoop { n, found }: FoundLoop, out: &mut Out<'_>) -> bool {
+        out.log.operations.push(Operation::CloseLoop(n));
+        let mut watch = Stopwatch::new(0);
+        let closed = self.mapper.close_loop(&found, &mut watch);
+        out.log.times.push((n, watch.finish().stages));
+        let result = match closed {
+            Err(error) => LoopResult::Refused(error.to_string()),
+            Ok(_) => LoopResult::Closed {
+                inliers: found.inliers,
+                moved_m: found.moved_m,
+                turned_deg: found.turned_deg,
+                joined: found.joins_submaps,
+            },
+        };
+        let is_closed = matches!(result, LoopResult::Closed { .. });
+        self.note_loop(found.keyframe, found.matched, result, out);
+        is_closed
+    }
+
+    fn note_loop(&self, keyframe: KeyframeId, matched: KeyframeId, result: LoopResult, out: &mut Out<'_>) {
+        let record = LoopRecord {
+            frame: self.frame_index(keyframe, out.log),
+            keyframe,
+            matched_frame: self.frame_index(matched, out.log),
+            matched,
+            result,
+        };
+        let statistics = &mut out.log.statistics;
+        match &record.result {
+            LoopResult::Closed { joined, .. } => {
+                statistics.loops_closed += 1;
+                statistics.submaps_joined += usize::from(*joined);
+            }
+            LoopResult::Rejected(_) | LoopResult::Refused(_) => statistics.loops_rejected += 1,
+        }
+        (out.emit)(Event::Loop(record.clone()));
+        out.log.loops.push(record);
+    }
+
+    /// Number of the frame that became a keyframe; of one that was removed from a map from a file, of its heir.
+    fn frame_index(&self, keyframe: KeyframeId, log: &MapLog) -> u32 {
+        let map = &self.mapper.world().map;
+        match log.inserted.binary_search_by_key(&keyframe, |inserted| inserted.keyframe) {
+            Ok(at) => log.inserted[at].index,
+            Err(_) => {
+                let heir = map.resolve_keyframe(keyframe).and_then(|(heir, _)| map.keyframe(heir));
+                heir.map_or(0, |heir| heir.frame.index)
+            }
+        }
+    }
+
+    /// Starts a global bundle adjustment after the loop of frame `n`; one that is under way is given up.
+    pub(crate) fn start_global(&mut self, n: usize, due: usize, out: &mut Out<'_>) -> Result<(), Halt> {
+        if let Some(old) = self.coming_global.take() {
+            self.discard(old.n, out);
+        }
+        let answer = self.ask_for_global()?;
+        self.coming_global = Some(ComingGlobal { n, due, answer });
+        Ok(())
+    }
+
+    /// Asks for a global bundle adjustment of the world as it is now.
+    pub(crate) fn ask_for_global(&self) -> Result<Answer<GlobalQuestion, GlobalAnswer>, Halt> {
+        self.global.ask(Arc::new(self.mapper.world().clone()))
+    }
+
+    /// Notes that the global solution which the loop of frame `n` started was given up.
+    pub(crate) fn discard(&self, n: usize, out: &mut Out<'_>) {
+        out.log.operations.push(Operation::Discard(n));
+        out.log.statistics.globals_discarded += 1;
+        (out.emit)(Event::GlobalDiscarded);
+    }
+
+    /// Waits for a global solution that the loop of frame `n` started and takes it over.
+    pub(crate) fn adopt_answer(
+        &mut self,
+        n: usize,
+        answer: Answer<GlobalQuestion, GlobalAnswer>,
+        out: &mut Out<'_>,
+    ) -> Result<(), Halt> {
+        let answer = self.global.wait(answer)?;
+        self.adopt(n, answer, out);
+        Ok(())
+    }
+
+    /// Takes over a global solution.
+    pub(crate) fn adopt(&mut self, n: usize, (solution, times): GlobalAnswer, out: &mut Out<'_>) {
+        out.log.operations.push(Operation::Adopt(n));
+        out.log.times.push((n, times));
+        let Some(solution) = solution else { return };
+        match self.mapper.adopt(&solution) {
+            Ok(()) => {
+                out.log.statistics.globals_adopted += 1;
+                (out.emit)(Event::GlobalAdopted { cost: solution.cost });
+            }
+            Err(error) => (out.emit)(Event::GlobalRefused { reason: error.to_string() }),
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! From what the stages left to the results: every frame in the final map.
+
+use map::{KeyframeId, Map};
+use slam::World;
+
+use crate::failure::StageFailure;
+use crate::journal::Journal;
+use crate::map_log::MapLog;
+use crate::record::{FrameRecord, RelativePose, RunOutcome};
+use crate::setup::Setup;
+use crate::timings::Timings;
+use crate::track::{TrackLog, TrackedFrame, on_keyframe};
+
+/// What a schedule leaves.
+pub(crate) struct Parts {
+    pub(crate) tracking: TrackLog,
+    pub(crate) mapping: MapLog,
+    /// The final world, or the last one that there is.
+    pub(crate) world: World,
+    /// Frames that were to come.
+    pub(crate) frames: usize,
+    pub(crate) failure: Option<StageFailure>,
+}
+
+impl Parts {
+    /// Puts the results together.
+    pub(crate) fn outcome(self, setup: &Setup, disparity_offset_px: f64) -> RunOutcome {
+        let Parts { tracking, mapping, world, frames, failure } = self;
+        let map = world.map;
+        let interrupted = tracking.frames.len() < frames || mapping.cut_short;
+        let mut statistics = mapping.statistics;
+        statistics.relocalisations = tracking.relocalisations;
+        let journal = Journal::new(
+            setup.fingerprint(),
+            disparity_offset_px,
+            tracking.frames.iter().map(|frame| frame.seen).collect(),
+            mapping.operations.clone(),
+        );
+        let mut timings =
+            Timings { rows: tracking.frames.iter().map(|frame| frame.timings.clone()).collect() };
+        for (n, times) in &mapping.times {
+            if let Some(row) = timings.rows.get_mut(*n) {
+                row.stages.extend(times);
+            }
+        }
+        RunOutcome {
+            frames: records(tracking.frames, &mapping, &map),
+            map,
+            loops: mapping.loops,
+            statistics,
+            disparity_offset_px,
+            calibration: None,
+            timings,
+            journal,
+            interrupted,
+            failure,
+        }
+    }
+}
+
+/// Every frame re-expressed in the final map; frames that became keyframes through these.
+fn records(tracked: Vec<TrackedFrame>, mapping: &MapLog, map: &Map) -> Vec<FrameRecord> {
+    let keyframe_of = |n: usize| -> Option<KeyframeId> {
+        let at = mapping.inserted.binary_search_by_key(&n, |inserted| inserted.n).ok()?;
+        // After a failure of mapping the map may be older than the keyframe.
+        Some(mapping.inserted[at].keyframe).filter(|keyframe| map.resolve_keyframe(*keyframe).is_some())
+    };
+    let mut last: Option<RelativePose> = None;
+    let mut records = Vec::with_capacity(tracked.len());
+    for (n, frame) in tracked.into_iter().enumerate() {
+        let known = keyframe_of(n).map(on_keyframe).or(frame.relative);
+        // Frames that were not tracked repeat the last pose.
+        let relative = known.or_else(|| last.clone().filter(|_| !frame.status.has_pose()));
+        records.push(FrameRecord {
+            index: frame.info.index,
+            timestamp_s: frame.info.timestamp_s,
+            status: frame.status,
+            world_from_cam: relative.as_ref().and_then(|relative| relative.world_from_cam(map)),
+            submap: relative.as_ref().and_then(|relative| map.submap_of(relative.keyframe)),
+        });
+        last = relative.or(last);
+    }
+    records
+}

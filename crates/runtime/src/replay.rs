@@ -1,0 +1,235 @@
+//! A run done again from its journal, in turn: the same states seen by the same frames, the same order of operations.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use map::KeyframeId;
+use slam::World;
+
+use crate::corrections::{GlobalAnswer, GlobalQuestion};
+use crate::events::{Event, Observer};
+use crate::extract::ExtractStage;
+use crate::failure::{Halt, MapEnd, StageFailure, caught, map_caught};
+use crate::feed::FrameFeed;
+use crate::fetch::fetch;
+use crate::job::Job;
+use crate::journal::{Journal, JournalError, Operation, Seen};
+use crate::map_log::MapLog;
+use crate::mapping::{MapStage, Out};
+use crate::outcome::Parts;
+use crate::record::{FrameStatus, RunError, RunOutcome};
+use crate::service::Answer;
+use crate::setup::Setup;
+use crate::timings::Stopwatch;
+use crate::track::{Message, SKIPPED, TrackLog, TrackStage};
+use crate::view::View;
+
+/// Does the run of a journal again; equal frames and setup give the bits of that run. The setup's schedule and lags have no
+/// meaning here.
+///
+/// # Errors
+/// [`RunError::Journal`] when the journal does not belong to these frames and this setup.
+pub fn replay(
+    feed: &dyn FrameFeed,
+    setup: &Setup,
+    journal: &Journal,
+    observer: &mut dyn Observer,
+    stop: &AtomicBool,
+) -> Result<RunOutcome, RunError> {
+    if journal.setup != setup.fingerprint() {
+        return Err(JournalError::OtherSetup.into());
+    }
+    let (frames, available) = (journal.n_frames(), feed.len());
+    if frames > available {
+        return Err(JournalError::TooLong { frames, available }.into());
+    }
+    let disparity_offset_px = journal.disparity_offset_px();
+    let job = Job { feed, frames, setup, disparity_offset_px, world: setup.world(), stop };
+    observer.event(&Event::Started { frames });
+    let (mut tracking, mut mapping) = (TrackLog::default(), MapLog::default());
+    let mut emit = |event: Event| observer.event(&event);
+    let mut out = Out { log: &mut mapping, emit: &mut emit, publish: &mut |_| {} };
+    let mut replay = Replay {
+        journal,
+        map: job.mapping_in_turn(),
+        done: 0,
+        seen: (0, job.start()),
+        messages: BTreeMap::new(),
+        keyframes: BTreeMap::new(),
+        solutions: BTreeMap::new(),
+        is_whole: true,
+    };
+    let failure = match replay.work(&job, &mut tracking, &mut out) {
+        Ok(()) => None,
+        Err(Stop::Journal(error)) => return Err(error.into()),
+        Err(Stop::Stage(failure)) => Some(failure),
+    };
+    let world =
+        if replay.is_whole { replay.map.mapper.into_world() } else { Arc::unwrap_or_clone(replay.seen.1) };
+    Ok(Parts { tracking, mapping, world, frames, failure }.outcome(setup, disparity_offset_px))
+}
+
+/// Why a replay ends early.
+enum Stop {
+    Journal(JournalError),
+    Stage(StageFailure),
+}
+
+struct Replay<'a> {
+    journal: &'a Journal,
+    map: MapStage<'a>,
+    /// Operations done.
+    done: usize,
+    /// The world after so many operations, as a frame saw it last.
+    seen: (usize, Arc<World>),
+    /// By position in the feed: what tracking told and mapping still needs.
+    messages: BTreeMap<usize, Message>,
+    /// By position in the feed: keyframes that were inserted and not refined yet.
+    keyframes: BTreeMap<usize, Option<KeyframeId>>,
+    /// By position of the loop's frame: global solutions that were started.
+    solutions: BTreeMap<usize, Answer<GlobalQuestion, GlobalAnswer>>,
+    /// Whether no operation has panicked.
+    is_whole: bool,
+}
+
+impl Replay<'_> {
+    fn work(&mut self, job: &Job<'_>, tracking: &mut TrackLog, out: &mut Out<'_>) -> Result<(), Stop> {
+        let mut extract = ExtractStage::new(job.setup, job.disparity_offset_px);
+        let mut track = TrackStage::new(job.setup);
+        for n in 0..self.journal.n_frames() {
+            let view = match self.journal.frames[n] {
+                Seen::Skipped => {
+                    let info = job.feed.info(n);
+                    let status = FrameStatus::Dropped(SKIPPED.into());
+                    let watch = Stopwatch::new(info.index);
+                    tracking.without_tracking(info, status, Seen::Skipped, watch, out.emit);
+                    continue;
+                }
+                Seen::Unusable => None,
+                Seen::After(operation, idle) => Some(self.view(operation, idle, out)?),
+            };
+            let extracted = caught("extract", || extract.extract(fetch(job.feed, n))).map_err(Stop::Stage)?;
+            let unusable = || misfit(format!("frame {n} could not be used then"));
+            let message =
+                caught("track", || track.step(extracted, |_| view.ok_or_else(unusable), tracking, out.emit));
+            match message.map_err(Stop::Stage)?? {
+                Some(message) => drop(self.messages.insert(n, message)),
+                None if self.journal.frames[n] == Seen::Unusable => {}
+                None => return Err(misfit(format!("frame {n} cannot be used now"))),
+            }
+            if job.stop.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+        }
+        self.advance(self.journal.operations.len(), out)?;
+        self.hear_the_rest(out)
+    }
+
+    /// The world after so many operations.
+    fn view(&mut self, operation: usize, idle: bool, out: &mut Out<'_>) -> Result<View, Stop> {
+        self.advance(operation, out)?;
+        if self.seen.0 != operation {
+            self.seen = (operation, Arc::new(self.map.mapper.world().clone()));
+        }
+        Ok(View { world: self.seen.1.clone(), operation, idle })
+    }
+
+    fn advance(&mut self, to: usize, out: &mut Out<'_>) -> Result<(), Stop> {
+        let journal = self.journal;
+        let operations = journal.operations.get(self.done..to).ok_or_else(|| {
+            misfit(format!("a frame saw the map after {to} operations, {} were done by then", self.done))
+        })?;
+        for &operation in operations {
+            self.done += 1;
+            let mut fits = true;
+            let ended = map_caught(|| {
+                fits = self.apply(operation, out)?;
+                Ok(())
+            });
+            self.note_end(ended)?;
+            if !fits {
+                return Err(misfit(format!("{operation:?} is not possible as operation {}", self.done)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Does an operation; `false` if it is not possible.
+    fn apply(&mut self, operation: Operation, out: &mut Out<'_>) -> Result<bool, Halt> {
+        match operation {
+            Operation::Count(n) => {
+                let Some(message) = self.messages.get(&n) else { return Ok(false) };
+                self.map.count(message, out);
+                if message.keyframe.is_none() {
+                    self.messages.remove(&n);
+                }
+            }
+            Operation::Insert(n) => {
+                let request = self.messages.get(&n).and_then(|message| message.keyframe.as_ref());
+                let Some(request) = request else { return Ok(false) };
+                self.keyframes.insert(n, self.map.insert(n, request, out));
+            }
+            Operation::Refine(n) => {
+                let (Some(message), Some(keyframe)) = (self.messages.remove(&n), self.keyframes.remove(&n))
+                else {
+                    return Ok(false);
+                };
+                let Some(request) = &message.keyframe else { return Ok(false) };
+                self.map.refine(n, request, keyframe, out);
+                self.map.ask_for_loop(n, keyframe)?;
+            }
+            Operation::CloseLoop(n) => return self.close_loop(n, out),
+            Operation::Adopt(n) => {
+                let Some(answer) = self.solutions.remove(&n) else { return Ok(false) };
+                self.map.adopt_answer(n, answer, out)?;
+            }
+            Operation::Discard(n) => {
+                if self.solutions.remove(&n).is_none() {
+                    return Ok(false);
+                }
+                self.map.discard(n, out);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Closes the loop of frame `n`. Which of several loops closed at once has started the global solution is seen by the
+    /// operation that takes it over or gives it up.
+    fn close_loop(&mut self, n: usize, out: &mut Out<'_>) -> Result<bool, Halt> {
+        while self.map.coming_loops.front().is_some_and(|coming| coming.n <= n) {
+            if let Some(found) = self.map.next_loop(out)? {
+                if found.n != n {
+                    return Ok(false);
+                }
+                if self.map.close_loop(found, out) {
+                    self.solutions.insert(n, self.map.ask_for_global()?);
+                }
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Hears what became of the keyframes at which no loop was closed, for the record only.
+    fn hear_the_rest(&mut self, out: &mut Out<'_>) -> Result<(), Stop> {
+        let ended = map_caught(|| {
+            while !self.map.coming_loops.is_empty() {
+                self.map.next_loop(out)?;
+            }
+            Ok(())
+        });
+        self.note_end(ended)
+    }
+
+    fn note_end(&mut self, ended: Result<(), MapEnd>) -> Result<(), Stop> {
+        let Err(MapEnd { is_whole, failure }) = ended else { return Ok(()) };
+        self.is_whole = is_whole;
+        // In turn, a service that is gone has failed.
+        Err(failure.map_or_else(|| misfit("a service is gone".into()), Stop::Stage))
+    }
+}
+
+fn misfit(reason: String) -> Stop {
+    Stop::Journal(JournalError::DoesNotFit(reason))
+}

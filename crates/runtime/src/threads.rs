@@ -1,0 +1,167 @@
+//! `Lockstep` and `Live`: a thread per stage, joined by bounded channels. A stage ends when a neighbour is gone.
+
+use std::any::Any;
+use std::sync::Arc;
+use std::thread::{Builder, Scope, ScopedJoinHandle};
+
+use crossbeam::channel::{Receiver, Sender, bounded};
+
+use crate::corrections::{GlobalAnswer, GlobalQuestion, LoopAnswer, LoopQuestion, adjust, find_loops};
+use crate::events::{Event, Observer};
+use crate::extract::Extracted;
+use crate::failure::{StageFailure, caught};
+use crate::fetch::{AHEAD, ahead, paced};
+use crate::job::Job;
+use crate::mapping::MapStage;
+use crate::outbox::{MESSAGES, Outbox};
+use crate::outcome::Parts;
+use crate::record::RunError;
+use crate::service::{Asked, Service};
+use crate::thread_work::{MapLeft, TrackLeft, extract, map, serve, serve_newest, track};
+use crate::view::{Choice, EXACT_STATES, Viewer};
+
+/// Events that may wait for the observer.
+const EVENTS: usize = 256;
+/// Questions that may wait for a service.
+const QUESTIONS: usize = 64;
+
+/// Which of the two schedules.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Manner {
+    Lockstep,
+    Live { realtime: bool },
+}
+
+/// A running stage.
+type Stage<'scope, T> = ScopedJoinHandle<'scope, Result<T, StageFailure>>;
+
+/// Runs; the calling thread hands events to the observer meanwhile.
+pub(crate) fn run(job: &Job<'_>, manner: Manner, observer: &mut dyn Observer) -> Result<Parts, RunError> {
+    std::thread::scope(|scope| {
+        let (to_observer, events) = bounded(EVENTS);
+        let stages = Stages::start(scope, job, manner, to_observer)?;
+        events.iter().for_each(|event| observer.event(&event));
+        Ok(stages.join(job))
+    })
+}
+
+/// Starts the thread of a stage.
+pub(crate) fn spawn<'scope, T: Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    stage: &'static str,
+    work: impl FnOnce() -> T + Send + 'scope,
+) -> Result<Stage<'scope, T>, RunError> {
+    Builder::new()
+        .name(stage.into())
+        .spawn_scoped(scope, move || caught(stage, work))
+        .map_err(|error| RunError::Thread { stage, reason: error.to_string() })
+}
+
+/// What a stage left.
+pub(crate) fn joined<T>(stage: Stage<'_, T>) -> Result<T, StageFailure> {
+    let unwound = |_: Box<dyn Any + Send>| StageFailure { stage: "?", message: "ended by a panic".into() };
+    stage.join().map_err(unwound).and_then(|result| result)
+}
+
+/// The threads of a run, in the order of the pipeline.
+struct Stages<'scope> {
+    decode: Stage<'scope, ()>,
+    extract: Stage<'scope, ()>,
+    track: Stage<'scope, TrackLeft>,
+    map: Stage<'scope, MapLeft>,
+    finders: Option<Stage<'scope, ()>>,
+    global: Stage<'scope, ()>,
+}
+
+impl<'scope> Stages<'scope> {
+    fn start<'env>(
+        scope: &'scope Scope<'scope, 'env>,
+        job: &'env Job<'env>,
+        manner: Manner,
+        to_observer: Sender<Event>,
+    ) -> Result<Self, RunError> {
+        let (reader, reader_is_there) = bounded(0);
+        let (extracted, [decode, extract]) = start_source(scope, job, manner, reader_is_there)?;
+        let (publish, states) = bounded(if manner == Manner::Lockstep { EXACT_STATES } else { 1 });
+        let (to_mapping, messages) = bounded(MESSAGES);
+        let (map_stage, finders, global) = start_services(scope, job)?;
+        let map = {
+            let (to_observer, states) = (to_observer.clone(), states.clone());
+            spawn(scope, "map", move || {
+                map(job, manner, map_stage, messages, (publish, states), to_observer)
+            })?
+        };
+        let (choice, may_wait) = match manner {
+            Manner::Lockstep => (Choice::Exact(job.setup.rule()), true),
+            Manner::Live { .. } => (Choice::Newest, false),
+        };
+        let viewer = Viewer::new(choice, job.start(), states);
+        let outbox = Outbox::new(to_mapping, may_wait);
+        let track = spawn(scope, "track", move || {
+            let left = track(job, extracted, viewer, outbox, to_observer);
+            drop(reader);
+            left
+        })?;
+        Ok(Stages { decode, extract, track, map, finders, global })
+    }
+
+    /// Waits for all stages and collects what they left.
+    fn join(self, job: &Job<'_>) -> Parts {
+        let mut failures = [joined(self.decode).err(), joined(self.extract).err()].to_vec();
+        let mut track = joined(self.track).unwrap_or_else(TrackLeft::nothing);
+        let map = joined(self.map).unwrap_or_else(MapLeft::nothing);
+        failures.extend([track.failure.take(), map.failure]);
+        failures.extend(self.finders.into_iter().chain([self.global]).map(|stage| joined(stage).err()));
+        let last_shown = track.viewer.map_or_else(|| job.start(), |mut viewer| viewer.newest());
+        Parts {
+            tracking: track.log,
+            mapping: map.log,
+            world: map.world.unwrap_or_else(|| Arc::unwrap_or_clone(last_shown)),
+            frames: job.frames,
+            failure: failures.into_iter().flatten().next(),
+        }
+    }
+}
+
+/// The threads in front of tracking. A realtime run has room for one decoded frame only, which a newer one replaces.
+fn start_source<'scope, 'env>(
+    scope: &'scope Scope<'scope, 'env>,
+    job: &'env Job<'env>,
+    manner: Manner,
+    reader_is_there: Receiver<()>,
+) -> Result<(Receiver<Extracted>, [Stage<'scope, ()>; 2]), RunError> {
+    let realtime = manner == Manner::Live { realtime: true };
+    let (to_extract, fetched) = bounded(if realtime { 1 } else { AHEAD });
+    let (to_track, extracted) = bounded(usize::from(!realtime));
+    let (taken, faults) = (fetched.clone(), job.faults("decode"));
+    let decode = spawn(scope, "decode", move || {
+        if realtime {
+            paced(job.feed, job.frames, faults, (&to_extract, &taken), &reader_is_there);
+        } else {
+            drop(taken);
+            ahead(job.feed, job.frames, faults, &to_extract);
+        }
+    })?;
+    let extract = spawn(scope, "extract", move || extract(job, &fetched, &to_track))?;
+    Ok((extracted, [decode, extract]))
+}
+
+/// The mapping stage with services on threads.
+#[allow(clippy::type_complexity, reason = "three things, used once")]
+fn start_services<'scope, 'env>(
+    scope: &'scope Scope<'scope, 'env>,
+    job: &'env Job<'env>,
+) -> Result<(MapStage<'env>, Option<Stage<'scope, ()>>, Stage<'scope, ()>), RunError> {
+    let (to_global, asked) = bounded::<Asked<GlobalQuestion, GlobalAnswer>>(QUESTIONS);
+    let work = adjust(job.setup, job.faults("global"));
+    let global = spawn(scope, "global", move || serve_newest(&asked, work))?;
+    let (mut loops, mut finders) = (None, None);
+    if job.wants_loops() {
+        let (to_loops, asked) = bounded::<Asked<LoopQuestion, LoopAnswer>>(QUESTIONS);
+        let work = find_loops(job.setup, job.faults("loop"));
+        finders = Some(spawn(scope, "loop", move || serve(&asked, work))?);
+        loops = Some(Service::Thread(to_loops));
+    }
+    let stage = MapStage::new(job.setup, job.world.clone(), loops, Service::Thread(to_global));
+    Ok((stage, finders, global))
+}
