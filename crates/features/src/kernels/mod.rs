@@ -9,6 +9,7 @@ pub(crate) mod fast;
 pub(crate) mod minimum;
 pub(crate) mod moments;
 pub(crate) mod normal;
+pub(crate) mod remap;
 pub(crate) mod resize;
 pub(crate) mod sad;
 

@@ -6,6 +6,7 @@ pub(crate) mod brief;
 pub(crate) mod fast;
 pub(crate) mod moments;
 pub(crate) mod normal;
+pub(crate) mod remap;
 pub(crate) mod resize;
 pub(crate) mod sad;
 
