@@ -239,7 +239,9 @@ pub fn create_output_folder(folder: &Path) -> Result<(), FileError> {
 mod tests {
     use super::*;
 
-    const WRITERS: [fn(&Path, &[u8]) -> Result<(), FileError>; 2] = [write_atomic, write_durable];
+    type Writer = fn(&Path, &[u8]) -> Result<(), FileError>;
+
+    const WRITERS: [Writer; 2] = [write_atomic, write_durable];
 
     fn names_in(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();

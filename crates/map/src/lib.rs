@@ -23,7 +23,7 @@
 //! under the same ids, in coordinates (and for one camera in a scale) of its own, until a correction joins it to
 //! another one ([`Correction::joined`]). [`Map::submap_of`] names the sub-map of a keyframe by its root.
 //!
-//! [`file`] turns a map into bytes and back.
+//! [`mod@file`] turns a map into bytes and back.
 //!
 //! Start reading at `map.rs` (queries), then `observations.rs` (the primitives that the mutations share).
 
