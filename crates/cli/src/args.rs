@@ -77,6 +77,9 @@ pub(crate) struct RunArgs {
     /// Does not look for places seen before: the same as --set loops.enabled=false.
     #[arg(long, help_heading = "Places and maps")]
     pub(crate) no_loops: bool,
+    /// Test aid: seed of random pauses of all stages, on which no result may depend.
+    #[arg(long, value_name = "SEED", hide = true)]
+    pub(crate) delays: Option<u64>,
     /// Vocabulary to recognise places with, in DSSLAM's or ORB-SLAM2's format; by default the one that is part of the
     /// program.
     #[arg(long, value_name = "FILE", help_heading = "Places and maps")]

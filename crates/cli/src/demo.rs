@@ -12,6 +12,7 @@ use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::job::{self, Job};
+use crate::places::{self, Extras};
 use crate::render;
 use crate::results::ResultsFolder;
 use crate::setup;
@@ -54,7 +55,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let notices = config.apply_calibration(&calibration(&world));
     let (width, height) = world.image_size();
     let size = ImageSize { width, height };
-    let setup = setup::from_config(&config, Sensor::Stereo, size, Path::new(name)).or_input()?;
+    let mut setup = setup::from_config(&config, Sensor::Stereo, size, Path::new(name)).or_input()?;
+    setup.vocabulary = Some(places::vocabulary(None).or_input()?);
     console::note(format!(
         "rendering {} stereo frames of {} and running on them",
         feed.len,
@@ -71,10 +73,13 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
             sequence: name.to_owned(),
             sensor: Sensor::Stereo,
             seed: setup.slam.seed,
+            schedule: job::schedule_name(&setup, false),
             notices,
         },
         setup,
+        replay: None,
         folder,
+        extras: Extras::default(),
         watch,
     };
     job::execute(job, &stop).map(|(_, exit)| exit)

@@ -5,17 +5,20 @@ use std::sync::atomic::AtomicBool;
 use anyhow::{Context, Result};
 use eval::plot::{TrajectoryFigure, View, save_png};
 use io::Trajectory;
-use runtime::{FrameFeed, FrameRecord, RunOutcome, Setup};
+use map::MapFileInfo;
+use runtime::{FrameFeed, FrameRecord, Journal, RunOutcome, Schedule, Setup};
 use sha2::{Digest, Sha256};
 
 use crate::clock::StopWatch;
 use crate::console;
 use crate::evaluation::{Evaluation, evaluate};
 use crate::exit::{Exit, Failure, OrExit};
+use crate::places::{self, Extras};
 use crate::progress::Progress;
 use crate::report;
 use crate::results::ResultsFolder;
-use crate::summary::{self, Summary, timings_csv};
+use crate::summary::{self, Checksums, Summary};
+use crate::tables::{frames_csv, loops_csv, timings_csv};
 use crate::trajectories::{own_pose, pose_per_frame, tracked_poses};
 
 /// Everything that a run needs.
@@ -24,6 +27,8 @@ pub(crate) struct Job<'a> {
     pub(crate) feed: &'a dyn FrameFeed,
     /// Camera and parameters.
     pub(crate) setup: Setup,
+    /// The run to do again, instead of one by the setup's schedule.
+    pub(crate) replay: Option<Journal>,
     /// The complete configuration in force, as YAML.
     pub(crate) config_yaml: String,
     /// What the errors are measured against.
@@ -32,8 +37,20 @@ pub(crate) struct Job<'a> {
     pub(crate) context: summary::Context,
     /// Where the files go.
     pub(crate) folder: ResultsFolder,
+    /// Where else to.
+    pub(crate) extras: Extras,
     /// Started with the command.
     pub(crate) watch: StopWatch,
+}
+
+/// How tracking and mapping are interleaved, in one word.
+pub(crate) fn schedule_name(setup: &Setup, is_replay: bool) -> &'static str {
+    match setup.schedule {
+        _ if is_replay => "replay",
+        Schedule::Sequential => "sequential",
+        Schedule::Lockstep => "lockstep",
+        Schedule::Live { .. } => "live",
+    }
 }
 
 /// Runs, writes the results folder and prints the report.
@@ -42,7 +59,10 @@ pub(crate) struct Job<'a> {
 /// A run that cannot begin is a fault of the input, a file that cannot be written one of the output.
 pub(crate) fn execute(job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit), Failure> {
     let mut progress = Progress::new();
-    let outcome = runtime::run(job.feed, &job.setup, &mut progress, stop).or_input()?;
+    let outcome = match &job.replay {
+        None => runtime::run(job.feed, &job.setup, &mut progress, stop).or_input()?,
+        Some(journal) => runtime::replay(job.feed, &job.setup, journal, &mut progress, stop).or_input()?,
+    };
     progress.finish();
     let evaluation = job.ground_truth.map(|truth| evaluate(&outcome.frames, truth, job.context.sensor));
     let sensor = job.context.sensor;
@@ -52,10 +72,14 @@ pub(crate) fn execute(job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit)
         let reason = summary.without_pose.first().map_or("there was no frame", |frame| &frame.reason);
         console::note(console::error(format!("no frame has a pose ({sensor}): {reason}")));
     }
-    let exit = match (outcome.interrupted, summary.is_usable()) {
-        (true, _) => Exit::Interrupted,
-        (false, true) => Exit::Done,
-        (false, false) => Exit::Unusable,
+    if let Some(failure) = &outcome.failure {
+        console::note(console::error(format!("{failure}; what there was has been written")));
+    }
+    let exit = match (&outcome.failure, outcome.interrupted, summary.is_usable()) {
+        (Some(_), ..) => Exit::Failed,
+        (None, true, _) => Exit::Interrupted,
+        (None, false, true) => Exit::Done,
+        (None, false, false) => Exit::Unusable,
     };
     Ok((summary, exit))
 }
@@ -70,6 +94,9 @@ fn write_results(
     let kitti = folder.file("trajectory.kitti.txt");
     io::write_kitti(&kitti, &pose_per_frame(&outcome.frames))?;
     io::write_tum(&folder.file("trajectory.tum.txt"), &tracked_poses(&outcome.frames))?;
+    let map_sha256 = write_extras(job, outcome)?;
+    folder.write("frames.csv", frames_csv(&outcome.frames).as_bytes())?;
+    folder.write("loops.csv", loops_csv(&outcome.loops).as_bytes())?;
     folder.write("config.yaml", job.config_yaml.as_bytes())?;
     folder.write("timings.csv", timings_csv(&outcome.timings).as_bytes())?;
     let errors = evaluation.and_then(|evaluation| evaluation.as_ref().ok());
@@ -78,12 +105,33 @@ fn write_results(
         folder.write_with("trajectory.png", |path| save_png(path, &figure))?;
     }
     let bytes = std::fs::read(&kitti).with_context(|| format!("{}: cannot be read back", kitti.display()))?;
-    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-    let summary = Summary::new(job.context.clone(), outcome, evaluation, sha256, job.watch.seconds());
+    let checksums = Checksums { trajectory: sha256(&bytes), map: map_sha256 };
+    let summary = Summary::new(job.context.clone(), outcome, evaluation, checksums, job.watch.seconds());
     let json = serde_json::to_string_pretty(&summary)? + "\n";
     folder.write("summary.json", json.as_bytes())?;
     folder.link_latest()?;
     Ok(summary)
+}
+
+/// Writes map and journal where that is wanted; returns the checksum of the map's file.
+fn write_extras(job: &Job<'_>, outcome: &RunOutcome) -> Result<Option<String>> {
+    if let Some(file) = &job.extras.journal {
+        io::write_atomic(file, &outcome.journal.to_json())?;
+    }
+    let Some(file) = &job.extras.save_map else { return Ok(None) };
+    let vocabulary = job.setup.vocabulary.as_ref();
+    let info = MapFileInfo {
+        sensor: job.context.sensor.to_string(),
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        sequence: job.context.sequence.clone(),
+        configuration: job.config_yaml.clone(),
+        vocabulary_sha256: vocabulary.map_or(String::new(), |vocabulary| sha256(vocabulary.as_bytes())),
+    };
+    Ok(Some(sha256(&places::save_map(file, &outcome.map, &info)?)))
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The estimate, aligned where that is possible, over the true path; frames without a pose are gaps.

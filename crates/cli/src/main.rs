@@ -11,6 +11,7 @@ mod evaluation;
 mod exit;
 mod help;
 mod job;
+mod places;
 mod progress;
 mod render;
 mod report;
@@ -19,6 +20,7 @@ mod run;
 mod setup;
 mod stop;
 mod summary;
+mod tables;
 mod trajectories;
 mod vocab;
 

@@ -45,7 +45,20 @@ fn counts(text: &mut String, s: &Summary) {
     if groups.len() > SHOWN_GROUPS {
         row(text, "", &format!("and {} more, see summary.json", groups.len() - SHOWN_GROUPS));
     }
-    row(text, "map", &format!("{} keyframes, {} points, {} loops", s.keyframes, s.points, s.loops));
+    row(text, "map", &format!("{} keyframes, {} points", s.keyframes, s.points));
+    row(text, "places", &places(s));
+}
+
+/// Loops, sub-maps and relocalisations.
+fn places(s: &Summary) -> String {
+    let mut places = format!("{} loops closed, {} rejected", s.loops, s.loops_rejected);
+    if s.relocalisations > 0 {
+        let _ = write!(places, ", {} relocalisations", s.relocalisations);
+    }
+    if s.submaps > 1 || s.submaps_joined > 0 {
+        let _ = write!(places, ", {} sub-maps ({} joined before)", s.submaps, s.submaps_joined);
+    }
+    places
 }
 
 fn errors(text: &mut String, s: &Summary) {

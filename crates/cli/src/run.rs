@@ -10,6 +10,7 @@ use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::job::{self, Job};
+use crate::places;
 use crate::results::ResultsFolder;
 use crate::setup;
 use crate::stop;
@@ -21,14 +22,17 @@ use crate::summary::Context;
 /// A configuration, a dataset or an output folder that cannot be used.
 pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let watch = StopWatch::start();
-    let mut config = Config::load(args.config.as_deref(), &args.overrides).or_input()?;
+    let mut config = Config::load(args.config.as_deref(), &overrides(args)).or_input()?;
     let sequence = open(args, &config)?;
     let mut notices = sequence.warnings.clone();
     if let Some(calibration) = &sequence.calibration {
         notices.extend(config.apply_calibration(calibration));
     }
     let size = setup::image_size(&sequence, &config).or_input()?;
-    let setup = setup::from_config(&config, sequence.sensor, size, &args.sequence).or_input()?;
+    let mut setup = setup::from_config(&config, sequence.sensor, size, &args.sequence).or_input()?;
+    places::complete(&mut setup, args, sequence.sensor)?;
+    let replay = places::journal(args).or_input()?;
+    let extras = places::extras(args).or_output()?;
     let stop = stop::on_signal();
     let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), &sequence.name).or_output()?;
     for notice in &notices {
@@ -43,13 +47,22 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
             sequence: sequence.name.clone(),
             sensor: sequence.sensor,
             seed: setup.slam.seed,
+            schedule: job::schedule_name(&setup, replay.is_some()),
             notices,
         },
         setup,
+        replay,
         folder,
+        extras,
         watch,
     };
     job::execute(job, &stop).map(|(_, exit)| exit)
+}
+
+/// The keys that the arguments override.
+fn overrides(args: &RunArgs) -> Vec<String> {
+    let no_loops = args.no_loops.then(|| "loops.enabled=false".to_owned());
+    args.overrides.iter().cloned().chain(no_loops).collect()
 }
 
 /// The sequence with the sensor of the arguments, else of the configuration, else what the folder offers.

@@ -5,6 +5,7 @@ use serde::{Serialize, Serializer};
 
 use crate::clock;
 use crate::evaluation::{Evaluation, alignment_of};
+use crate::tables;
 
 /// Everything that a script may want to know of a run. Keys are never renamed; what is not defined is `null`.
 #[derive(Clone, Debug, Serialize)]
@@ -17,6 +18,8 @@ pub(crate) struct Summary {
     pub(crate) sensor: String,
     /// How tracking and mapping were interleaved.
     pub(crate) schedule: &'static str,
+    /// The stage that ended the run by a bug, with its message; `null` if none did.
+    pub(crate) failure: Option<String>,
     /// Whether the run was ended before its last frame.
     pub(crate) interrupted: bool,
     /// Frames that were read.
@@ -33,8 +36,18 @@ pub(crate) struct Summary {
     pub(crate) keyframes: usize,
     /// Points in the map.
     pub(crate) points: usize,
+    /// Sub-maps that the map consists of.
+    pub(crate) submaps: usize,
     /// Loops closed.
     pub(crate) loops: usize,
+    /// Loops looked at closely and rejected.
+    pub(crate) loops_rejected: usize,
+    /// Sub-maps joined to another one by a loop.
+    pub(crate) submaps_joined: usize,
+    /// Times that a lost camera, or one in a map from a file, found its place again.
+    pub(crate) relocalisations: usize,
+    /// Global bundle adjustments taken over.
+    pub(crate) global_adjustments: usize,
     /// Disparity offset in force, pixels.
     pub(crate) disparity_offset_px: f64,
     /// Standard deviation of what the calibration pass found, pixels; `null` without one.
@@ -70,6 +83,10 @@ pub(crate) struct Summary {
     pub(crate) peak_rss_mb: Option<f64>,
     /// SHA-256 of `trajectory.kitti.txt`.
     pub(crate) trajectory_sha256: String,
+    /// A 64-bit number for the whole map, hexadecimal: equal maps have equal ones.
+    pub(crate) map_digest: String,
+    /// SHA-256 of the map's file, if one was written.
+    pub(crate) map_sha256: Option<String>,
     /// Seed of all random numbers.
     pub(crate) seed: u64,
     /// Each frame without a pose of its own, with the reason.
@@ -111,8 +128,19 @@ pub(crate) struct Context {
     pub(crate) sensor: io::Sensor,
     /// Seed of all random numbers.
     pub(crate) seed: u64,
+    /// How tracking and mapping were interleaved.
+    pub(crate) schedule: &'static str,
     /// What the person was told before the run.
     pub(crate) notices: Vec<String>,
+}
+
+/// Checksums of files.
+#[derive(Clone, Debug)]
+pub(crate) struct Checksums {
+    /// SHA-256 of `trajectory.kitti.txt`.
+    pub(crate) trajectory: String,
+    /// SHA-256 of the map's file, if one was written.
+    pub(crate) map: Option<String>,
 }
 
 impl Summary {
@@ -121,16 +149,18 @@ impl Summary {
         context: Context,
         outcome: &RunOutcome,
         evaluation: Option<&anyhow::Result<Evaluation>>,
-        trajectory_sha256: String,
+        checksums: Checksums,
         wall_s: f64,
     ) -> Self {
         let without_pose = frames_without_pose(&outcome.frames);
         let count = |state: &str| without_pose.iter().filter(|frame| frame.state == state).count();
         let errors = evaluation.and_then(|evaluation| evaluation.as_ref().ok());
+        let statistics = outcome.statistics;
         Self {
             version: env!("CARGO_PKG_VERSION"),
             sensor: context.sensor.to_string(),
-            schedule: "sequential",
+            schedule: context.schedule,
+            failure: outcome.failure.as_ref().map(ToString::to_string),
             interrupted: outcome.interrupted,
             frames: outcome.frames.len(),
             tracked: outcome.frames.len() - without_pose.len(),
@@ -139,7 +169,12 @@ impl Summary {
             dropped: count("dropped"),
             keyframes: outcome.map.n_keyframes(),
             points: outcome.map.n_points(),
-            loops: 0,
+            submaps: outcome.map.roots().len(),
+            loops: statistics.loops_closed,
+            loops_rejected: statistics.loops_rejected,
+            submaps_joined: statistics.submaps_joined,
+            relocalisations: statistics.relocalisations,
+            global_adjustments: statistics.globals_adopted,
             disparity_offset_px: outcome.disparity_offset_px,
             disparity_offset_sigma_px: outcome.calibration.map(|estimate| estimate.sigma_px),
             alignment: errors.map(|_| alignment_of(context.sensor).to_string()),
@@ -158,7 +193,9 @@ impl Summary {
             wall_s,
             cpu_s: clock::cpu_seconds(),
             peak_rss_mb: clock::peak_rss_mb(),
-            trajectory_sha256,
+            trajectory_sha256: checksums.trajectory,
+            map_digest: format!("{:016x}", outcome.map.digest()),
+            map_sha256: checksums.map,
             sequence: context.sequence,
             seed: context.seed,
             without_pose,
@@ -188,55 +225,27 @@ fn as_object<S: Serializer>(stages: &[(&'static str, StageTimes)], to: S) -> Res
 /// The frames that have no pose of their own, in order, each with its reason.
 fn frames_without_pose(records: &[FrameRecord]) -> Vec<WithoutPose> {
     let without = |record: &FrameRecord| {
-        let (state, reason) = match &record.status {
+        let reason = match &record.status {
             FrameStatus::Tracked { .. } => return None,
-            FrameStatus::NotReady(reason) => ("not_ready", reason.to_string()),
-            FrameStatus::Lost(reason) => ("lost", reason.to_string()),
-            FrameStatus::Dropped(reason) => ("dropped", reason.clone()),
+            FrameStatus::NotReady(reason) => reason.to_string(),
+            FrameStatus::Lost(reason) => reason.to_string(),
+            FrameStatus::Dropped(reason) => reason.clone(),
         };
+        let state = tables::state(&record.status);
         Some(WithoutPose { frame: record.index, state, reason })
     };
     records.iter().filter_map(without).collect()
-}
-
-/// `timings.csv`: a row per frame, a column per stage, milliseconds; empty where a stage did not run.
-pub(crate) fn timings_csv(timings: &Timings) -> String {
-    let stages = timings.stages();
-    let mut text = format!("frame,{}\n", stages.join(","));
-    for row in &timings.rows {
-        let cell = |stage: &&str| {
-            let times: Vec<f64> =
-                row.stages.iter().filter(|(name, _)| name == stage).map(|(_, ms)| *ms).collect();
-            if times.is_empty() { String::new() } else { format!("{:.3}", times.iter().sum::<f64>()) }
-        };
-        let cells: Vec<String> = stages.iter().map(cell).collect();
-        text.push_str(&format!("{},{}\n", row.index, cells.join(",")));
-    }
-    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::trajectories::tests::record;
-    use runtime::FrameTimings;
 
     #[test]
     fn frames_without_a_pose_are_named_with_their_reason() {
         let records = [record(3, Some(0.0)), record(4, None), record(5, Some(1.0))];
         let expected = WithoutPose { frame: 4, state: "dropped", reason: "no image".to_owned() };
         assert_eq!(frames_without_pose(&records), [expected]);
-    }
-
-    #[test]
-    fn a_stage_that_ran_twice_is_summed_and_one_that_did_not_is_empty() {
-        let rows = vec![
-            FrameTimings { index: 7, stages: vec![("extract", 2.0), ("track", 3.0)] },
-            FrameTimings { index: 8, stages: vec![("track", 1.25), ("fuse", 0.5), ("fuse", 0.25)] },
-        ];
-        assert_eq!(
-            timings_csv(&Timings { rows }),
-            "frame,extract,track,fuse\n7,2.000,3.000,\n8,,1.250,0.750\n"
-        );
     }
 }

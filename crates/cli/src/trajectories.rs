@@ -40,7 +40,7 @@ pub(crate) mod tests {
             Some(_) => FrameStatus::Tracked { inliers: 100 },
             None => FrameStatus::Dropped("no image".to_owned()),
         };
-        FrameRecord { index, timestamp_s: f64::from(index) * 0.1, status, world_from_cam }
+        FrameRecord { index, timestamp_s: f64::from(index) * 0.1, status, world_from_cam, submap: None }
     }
 
     #[test]

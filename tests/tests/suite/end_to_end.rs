@@ -83,7 +83,7 @@ fn the_results_folder_is_complete() {
     assert!(picture.width() >= 400 && picture.height() >= 300);
     let names: Vec<String> =
         fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-    assert_eq!(names.len(), 6, "nothing half-written is left: {names:?}");
+    assert_eq!(names.len(), 8, "nothing half-written is left: {names:?}");
 }
 
 #[test]

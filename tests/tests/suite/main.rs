@@ -9,6 +9,9 @@ mod end_to_end;
 mod map_file;
 mod program;
 mod real_data;
+mod rendered_feed;
+mod schedules;
+mod schedules_of_the_program;
 mod sequence;
 mod vocabulary;
 

@@ -1,0 +1,132 @@
+//! The tables of a run: what became of each frame, which loops were looked at, how long each stage took.
+
+use runtime::{FrameRecord, FrameStatus, LoopRecord, LoopResult, Timings};
+
+/// `frames.csv`: a row per frame. Frames with equal `submap` have poses in one coordinate frame; it is the keyframe that
+/// the sub-map grew from.
+pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
+    let mut text = String::from("frame,timestamp_s,state,submap,inliers,reason\n");
+    for record in records {
+        let (inliers, reason) = match &record.status {
+            FrameStatus::Tracked { inliers } => (inliers.to_string(), String::new()),
+            FrameStatus::NotReady(reason) => (String::new(), reason.to_string()),
+            FrameStatus::Lost(reason) => (String::new(), reason.to_string()),
+            FrameStatus::Dropped(reason) => (String::new(), reason.clone()),
+        };
+        let submap = record.submap.map_or(String::new(), |root| root.to_string());
+        text.push_str(&format!(
+            "{},{},{},{submap},{inliers},{}\n",
+            record.index,
+            record.timestamp_s,
+            state(&record.status),
+            quoted(&reason)
+        ));
+    }
+    text
+}
+
+/// What became of a frame, in one word.
+pub(crate) fn state(status: &FrameStatus) -> &'static str {
+    match status {
+        FrameStatus::Tracked { .. } => "tracked",
+        FrameStatus::NotReady(_) => "not_ready",
+        FrameStatus::Lost(_) => "lost",
+        FrameStatus::Dropped(_) => "dropped",
+    }
+}
+
+/// `loops.csv`: a row per loop that was looked at closely.
+pub(crate) fn loops_csv(loops: &[LoopRecord]) -> String {
+    let mut text =
+        String::from("frame,matched_frame,result,inliers,moved_m,turned_deg,joins_submaps,reason\n");
+    for record in loops {
+        let (result, numbers, reason) = match &record.result {
+            LoopResult::Closed { inliers, moved_m, turned_deg, joined } => {
+                ("closed", format!("{inliers},{moved_m:.4},{turned_deg:.4},{joined}"), String::new())
+            }
+            LoopResult::Rejected(reason) => ("rejected", ",,,".to_owned(), quoted(reason)),
+            LoopResult::Refused(reason) => ("refused", ",,,".to_owned(), quoted(reason)),
+        };
+        let (frame, matched) = (record.frame, record.matched_frame);
+        text.push_str(&format!("{frame},{matched},{result},{numbers},{reason}\n"));
+    }
+    text
+}
+
+/// `timings.csv`: a row per frame, a column per stage, milliseconds; empty where a stage did not run.
+pub(crate) fn timings_csv(timings: &Timings) -> String {
+    let stages = timings.stages();
+    let mut text = format!("frame,{}\n", stages.join(","));
+    for row in &timings.rows {
+        let cell = |stage: &&str| {
+            let times: Vec<f64> =
+                row.stages.iter().filter(|(name, _)| name == stage).map(|(_, ms)| *ms).collect();
+            if times.is_empty() { String::new() } else { format!("{:.3}", times.iter().sum::<f64>()) }
+        };
+        let cells: Vec<String> = stages.iter().map(cell).collect();
+        text.push_str(&format!("{},{}\n", row.index, cells.join(",")));
+    }
+    text
+}
+
+/// A text as a cell of a table: in quotes if it holds a comma, a quote or the end of a line (RFC 4180).
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trajectories::tests::record;
+    use map::KeyframeId;
+    use runtime::FrameTimings;
+
+    #[test]
+    fn each_frame_says_its_sub_map_or_why_it_has_none() {
+        let mut records = [record(3, Some(0.0)), record(4, None)];
+        records[0].submap = Some(KeyframeId(7));
+        records[1].status = FrameStatus::Dropped("a.png: \"no\", thanks".to_owned());
+        let root = KeyframeId(7).to_string();
+        assert_eq!(
+            frames_csv(&records),
+            format!(
+                "frame,timestamp_s,state,submap,inliers,reason\n3,{},tracked,{root},100,\n\
+                 4,0.4,dropped,,,\"a.png: \"\"no\"\", thanks\"\n",
+                records[0].timestamp_s
+            )
+        );
+    }
+
+    #[test]
+    fn closed_and_rejected_loops_have_the_same_columns() {
+        let of = |result| LoopRecord {
+            frame: 90,
+            keyframe: KeyframeId(30),
+            matched_frame: 2,
+            matched: KeyframeId(1),
+            result,
+        };
+        let closed = LoopResult::Closed { inliers: 80, moved_m: 1.25, turned_deg: 0.5, joined: false };
+        let text = loops_csv(&[of(closed), of(LoopResult::Rejected("too far, by 9 m".to_owned()))]);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[1], "90,2,closed,80,1.2500,0.5000,false,");
+        assert_eq!(lines[2], "90,2,rejected,,,,,\"too far, by 9 m\"");
+        assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
+    }
+
+    #[test]
+    fn a_stage_that_ran_twice_is_summed_and_one_that_did_not_is_empty() {
+        let rows = vec![
+            FrameTimings { index: 7, stages: vec![("extract", 2.0), ("track", 3.0)] },
+            FrameTimings { index: 8, stages: vec![("track", 1.25), ("fuse", 0.5), ("fuse", 0.25)] },
+        ];
+        assert_eq!(
+            timings_csv(&Timings { rows }),
+            "frame,extract,track,fuse\n7,2.000,3.000,\n8,,1.250,0.750\n"
+        );
+    }
+}

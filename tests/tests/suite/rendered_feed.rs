@@ -1,0 +1,86 @@
+//! Frames of a rendered world in any order, at half the size, for tests that drive the library itself.
+
+use std::sync::{Arc, OnceLock};
+
+use features::{ExtractorConfig, Rig};
+use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
+use io::LoadedFrame;
+use runtime::{FrameFeed, FrameInfo, Sensor, Setup};
+use slam::Params;
+use synth::{Preset, World};
+
+/// A drive through the town: frames of the world in the order of `order`. Each is rendered once.
+pub(crate) struct RenderedFeed {
+    world: World,
+    order: Vec<usize>,
+    /// Seconds from frame to frame.
+    period_s: f64,
+    images: Vec<OnceLock<LoadedFrame>>,
+}
+
+impl RenderedFeed {
+    pub(crate) fn new(order: impl IntoIterator<Item = usize>) -> Self {
+        let order: Vec<usize> = order.into_iter().collect();
+        let images = order.iter().map(|_| OnceLock::new()).collect();
+        RenderedFeed { world: World::new(Preset::Town, 1, 1), order, period_s: 0.1, images }
+    }
+
+    /// The same frames with timestamps this far apart.
+    pub(crate) fn paced(mut self, period_s: f64) -> Self {
+        self.period_s = period_s;
+        self
+    }
+
+    /// A setup for it, with small frames, loops and the vocabulary that is part of the program.
+    pub(crate) fn setup(&self) -> Setup {
+        let StereoRig { camera, baseline_m } = self.world.rig();
+        let (width, height) = self.world.image_size();
+        // The centre of the new pixel 0 lies between the old pixels 0 and 1.
+        let half = |c: f64| (c - 0.5) / 2.0;
+        let camera =
+            Pinhole { fx: camera.fx / 2.0, fy: camera.fy / 2.0, cx: half(camera.cx), cy: half(camera.cy) };
+        let rig = Rig {
+            stereo: StereoRig { camera, baseline_m },
+            distortion: Distortion::default(),
+            width: width / 2,
+            height: height / 2,
+        };
+        let vocabulary = Arc::new(bow::Vocabulary::built_in().unwrap());
+        Setup {
+            extractor: ExtractorConfig { keep: 700, ..ExtractorConfig::default() },
+            vocabulary: Some(vocabulary),
+            ..Setup::new(Sensor::Stereo, Arc::new(rig), Params::stereo(40.0 * baseline_m, 10.0))
+        }
+    }
+}
+
+impl FrameFeed for RenderedFeed {
+    fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    fn info(&self, i: usize) -> FrameInfo {
+        FrameInfo { index: i as u32, timestamp_s: i as f64 * self.period_s }
+    }
+
+    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+        let images = self.images[i].get_or_init(|| {
+            let images = self.world.images(self.order[i]);
+            LoadedFrame { left: halved(&images.left), right: Some(halved(&images.right)), depth: None }
+        });
+        Ok(images.clone())
+    }
+}
+
+/// The mean of each two by two pixels.
+fn halved(image: &GrayImage) -> GrayImage {
+    let (width, height) = (image.width / 2, image.height / 2);
+    let mut small = GrayImage::new(width, height, 0);
+    for y in 0..height {
+        for x in 0..width {
+            let at = |dx: usize, dy: usize| u32::from(image.data[(2 * y + dy) * image.width + 2 * x + dx]);
+            small.data[y * width + x] = ((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4) as u8;
+        }
+    }
+    small
+}
