@@ -1,5 +1,6 @@
 //! Tracking and mapping over a corridor of points: accuracy, repeatability, loss and recovery.
 
+#[allow(dead_code, reason = "each test takes what it needs")]
 mod common;
 
 use common::{Pair, World, slalom};

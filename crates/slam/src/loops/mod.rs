@@ -83,6 +83,8 @@ impl LoopCloser {
             }
         }
         match refused {
+            // Similar streets are common; only what also matches in detail is worth a word.
+            Some((_, reason @ NoLoop::TooFewMatches { .. })) => LoopOutcome::None(reason),
             Some((candidate, reason)) => LoopOutcome::Rejected { candidate, reason },
             None => LoopOutcome::None(NoLoop::NoPlaces),
         }

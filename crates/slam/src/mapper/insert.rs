@@ -17,6 +17,7 @@ impl Mapper {
                 (request.cam_from_reference * reference_from_alive * alive_from_world).normalized()
             }
         };
+        let parent = if request.reference.is_none() { Parent::NewSubmap } else { Parent::Closest };
         let matches = self.living_matches(&request.matches);
         let keyframe = self.world.map.next_keyframe_id();
         let points = depth_points(
@@ -33,12 +34,7 @@ impl Mapper {
         })
         .collect();
         let batch = Batch {
-            keyframe: Some(NewKeyframe {
-                frame: request.frame.clone(),
-                cam_from_world,
-                matches,
-                parent: Parent::Closest,
-            }),
+            keyframe: Some(NewKeyframe { frame: request.frame.clone(), cam_from_world, matches, parent }),
             points,
         };
         let inserted = self.world.map.insert(batch).ok()?;

@@ -23,6 +23,8 @@ pub(crate) struct World {
     scales: Arc<ScaleLevels>,
     landmarks: Vec<Landmark>,
     noise_px: f64,
+    /// Nothing is seen beyond.
+    max_depth_m: f64,
     /// Error of every measured disparity, pixels.
     pub(crate) disparity_error_px: f64,
 }
@@ -59,8 +61,35 @@ impl World {
             scales: Arc::new(ScaleLevels::new(8, 1.2)),
             landmarks,
             noise_px,
+            max_depth_m: 80.0,
             disparity_error_px: 0.0,
         }
+    }
+
+    /// Walls 6 to 9 m inside and outside of a ring road through the origin, its centre at `x = radius_m`.
+    pub(crate) fn ring(radius_m: f64, noise_px: f64, per_m: f64) -> Self {
+        let mut world = World::with_density(2.0 * std::f64::consts::PI * radius_m, noise_px, per_m);
+        for landmark in &mut world.landmarks {
+            let angle = landmark.position.z / radius_m;
+            let radius = radius_m + landmark.position.x;
+            landmark.position.x = radius_m - radius * angle.cos();
+            landmark.position.z = radius * angle.sin();
+        }
+        world.max_depth_m = 25.0;
+        world
+    }
+
+    /// A corridor whose points and their looks repeat every `period_m`, `times` times.
+    pub(crate) fn repeated_corridor(period_m: f64, times: u32) -> Self {
+        let mut world = World::with_density(period_m - 10.0, 0.4, 40.0);
+        let once = std::mem::take(&mut world.landmarks);
+        for landmark in (0..times).flat_map(|n| once.iter().map(move |l| (n, l))) {
+            let (n, landmark) = landmark;
+            let offset = Vec3::new(0.0, 0.0, f64::from(n) * period_m);
+            world.landmarks.push(Landmark { position: landmark.position + offset, ..*landmark });
+        }
+        world.max_depth_m = 25.0;
+        world
     }
 
     /// The frame seen from `world_from_cam`; noise and flipped bits depend on `index` only.
@@ -71,7 +100,7 @@ impl World {
         let mut right_u = Vec::new();
         for landmark in &self.landmarks {
             let point = cam_from_world * landmark.position;
-            if point.z < 1.0 || point.z > 80.0 {
+            if point.z < 1.0 || point.z > self.max_depth_m {
                 continue;
             }
             let uvr = self.rig.stereo.project(&point);
@@ -117,10 +146,11 @@ pub(crate) struct Pair {
 
 impl Pair {
     pub(crate) fn new(params: &Params) -> Self {
-        Pair {
-            tracker: Tracker::new(params.clone()),
-            mapper: Mapper::new(params.clone(), slam::World::default()),
-        }
+        Pair::with_world(params, slam::World::default())
+    }
+
+    pub(crate) fn with_world(params: &Params, world: slam::World) -> Self {
+        Pair { tracker: Tracker::new(params.clone()), mapper: Mapper::new(params.clone(), world) }
     }
 
     pub(crate) fn step(&mut self, frame: &Arc<Frame>) -> Tracked {

@@ -1,0 +1,195 @@
+//! A ring road of points, driven round: loops, relocalisation, sub-maps that are joined, localisation in a finished map.
+
+#[allow(dead_code, reason = "each test takes what it needs")]
+mod common;
+
+use std::sync::Arc;
+
+use bow::Vocabulary;
+use common::{Pair, World};
+use geometry::{SE3, SO3, Vec3};
+use slam::{LoopCloser, LoopOutcome, NoProbe, Params, TrackState, Tracked, adjust_globally};
+
+const RADIUS_M: f64 = 22.0;
+const STEP_M: f64 = 0.8;
+
+fn params() -> Params {
+    let mut params = Params::stereo(21.0, 10.0);
+    params.loops.essential_weight = 60;
+    params
+}
+
+/// Frames in one round.
+fn round() -> u32 {
+    (2.0 * std::f64::consts::PI * RADIUS_M / STEP_M).round() as u32
+}
+
+/// The `i`-th pose on the ring: the camera looks along the road and turns with it.
+fn on_ring(i: u32) -> SE3 {
+    let angle = 2.0 * std::f64::consts::PI * f64::from(i) / f64::from(round());
+    let center = Vec3::new(RADIUS_M * (1.0 - angle.cos()), 0.0, RADIUS_M * angle.sin());
+    SE3::new(SO3::exp(&Vec3::new(0.0, angle, 0.0)), center)
+}
+
+/// Tracker, mapper and loop closer taking turns.
+struct Trio {
+    pair: Pair,
+    closer: LoopCloser,
+    params: Params,
+    closed: Vec<(u32, Box<slam::LoopCorrection>)>,
+}
+
+impl Trio {
+    fn new(params: &Params, world: slam::World) -> Self {
+        let closer = LoopCloser::new(params.clone());
+        Trio { pair: Pair::with_world(params, world), closer, params: params.clone(), closed: Vec::new() }
+    }
+
+    fn step(&mut self, frame: &Arc<features::Frame>) -> Tracked {
+        let tracked = self.pair.step(frame);
+        if tracked.keyframe.is_some() {
+            let mapper = &mut self.pair.mapper;
+            let id = mapper.world().map.newest_keyframe().unwrap();
+            if let LoopOutcome::Closed(found) = self.closer.detect(id, mapper.world(), &mut NoProbe) {
+                mapper.close_loop(&found, &mut NoProbe).unwrap();
+                if let Some(solution) = adjust_globally(mapper.world(), &self.params, &mut NoProbe) {
+                    mapper.adopt(&solution).unwrap();
+                }
+                assert_eq!(mapper.world().map.check(), Ok(()));
+                self.closed.push((frame.index, found));
+            }
+        }
+        tracked
+    }
+
+    /// Error of the pose of a frame that was just tracked, metres.
+    fn error_m(&self, tracked: &Tracked, truth: &SE3) -> f64 {
+        (self.pair.world_from_cam(tracked).unwrap().translation - truth.translation).norm()
+    }
+}
+
+fn empty() -> slam::World {
+    slam::World::new(Some(Arc::new(Vocabulary::built_in().unwrap())))
+}
+
+fn has_pose(tracked: &Tracked) -> bool {
+    matches!(tracked.state, TrackState::Started | TrackState::Tracked)
+}
+
+#[test]
+fn a_round_trip_closes_and_loses_its_drift() {
+    let scene = World::ring(RADIUS_M, 1.2, 40.0);
+    // The gap between the two visits of one place, after a round.
+    let drive = |params: &Params| {
+        let mut trio = Trio::new(params, empty());
+        let visits = [25, round() + 25];
+        let mut seen = Vec::new();
+        for i in 0..=visits[1] {
+            let tracked = trio.step(&scene.frame(i, &on_ring(i)));
+            assert!(has_pose(&tracked), "frame {i}: {:?}", tracked.state);
+            if visits.contains(&i) {
+                seen.push(tracked);
+            }
+        }
+        let poses: Vec<SE3> = seen.iter().map(|t| trio.pair.world_from_cam(t).unwrap()).collect();
+        (trio, (poses[0].translation - poses[1].translation).norm())
+    };
+    let (trio, with_loops_m) = drive(&params());
+    let mut without = params();
+    without.loops.enabled = false;
+    let (open, without_loops_m) = drive(&without);
+    assert!(open.closed.is_empty());
+    assert!(!trio.closed.is_empty(), "no loop in {} frames", round() + 25);
+    assert!(with_loops_m < 0.6 * without_loops_m, "{with_loops_m} m with loops, {without_loops_m} m without");
+
+    let world = trio.pair.mapper.world();
+    let adjusted = adjust_globally(world, &trio.params, &mut NoProbe).unwrap();
+    assert!(adjusted.cost[1] < adjusted.cost[0]);
+    let mut mapper = trio.pair.mapper.clone();
+    mapper.adopt(&adjusted).unwrap();
+    assert_eq!(mapper.world().map.check(), Ok(()));
+}
+
+#[test]
+fn a_kidnapped_camera_finds_back_by_the_place_index() {
+    let scene = World::ring(RADIUS_M, 0.4, 30.0);
+    let mut trio = Trio::new(&params(), empty());
+    for i in 0..70 {
+        assert!(has_pose(&trio.step(&scene.frame(i, &on_ring(i)))));
+    }
+    for i in 70..75 {
+        assert!(matches!(trio.step(&scene.black(i)).state, TrackState::Lost(_)));
+    }
+    // Back at frame 20's place, far from the last keyframe.
+    let tracked = trio.step(&scene.frame(75, &on_ring(20)));
+    assert!(tracked.stats.relocalised, "{:?}", tracked.state);
+    let error_m = trio.error_m(&tracked, &on_ring(20));
+    assert!(error_m < 0.1, "{error_m} m");
+    assert_eq!(trio.pair.mapper.world().map.roots().len(), 1);
+}
+
+#[test]
+fn a_lasting_loss_starts_a_sub_map_that_a_loop_joins() {
+    let scene = World::ring(RADIUS_M, 0.4, 30.0);
+    let mut trio = Trio::new(&params(), empty());
+    let mut index = 0;
+    for i in 0..50 {
+        assert!(has_pose(&trio.step(&scene.frame(index, &on_ring(i)))));
+        index += 1;
+    }
+    // Carried to the other side: nothing there is known.
+    let from = round() / 2;
+    let mut lost = 0;
+    let mut i = from;
+    while !has_pose(&trio.step(&scene.frame(index, &on_ring(i)))) {
+        (lost, i, index) = (lost + 1, i + 1, index + 1);
+        assert!(lost <= params().tracking.max_lost_frames, "still lost");
+    }
+    assert_eq!(lost, params().tracking.max_lost_frames);
+    while trio.closed.is_empty() {
+        (i, index) = (i + 1, index + 1);
+        assert!(has_pose(&trio.step(&scene.frame(index, &on_ring(i)))), "frame {i}");
+        assert!(i < round() + 60, "no loop");
+        assert_eq!(trio.pair.mapper.world().map.roots().len(), if trio.closed.is_empty() { 2 } else { 1 });
+    }
+    assert!(trio.closed[0].1.joins_submaps);
+    let tracked = trio.step(&scene.frame(index + 1, &on_ring(i + 1)));
+    let error_m = trio.error_m(&tracked, &on_ring(i + 1));
+    assert!(has_pose(&tracked) && error_m < 0.3, "{error_m} m after the join");
+}
+
+#[test]
+fn a_finished_map_localises_and_stays_as_it_is() {
+    let scene = World::ring(RADIUS_M, 0.4, 30.0);
+    let mut first = Trio::new(&params(), empty());
+    for i in 0..60 {
+        first.step(&scene.frame(i, &on_ring(i)));
+    }
+    let map = first.pair.mapper.world().map.clone();
+    let world = slam::World::from_map(map, Some(Arc::new(Vocabulary::built_in().unwrap())));
+    let mut only = params();
+    only.tracking.localize_only = true;
+    let mut second = Trio::new(&only, world.clone());
+    let aside = SE3::new(SO3::identity(), Vec3::new(0.3, 0.0, 0.0));
+    for i in 10..50 {
+        let truth = on_ring(i) * aside;
+        let tracked = second.step(&scene.frame(1000 + i, &truth));
+        assert_eq!(tracked.state, TrackState::Tracked, "frame {i}");
+        assert_eq!(tracked.stats.relocalised, i == 10);
+        let error_m = second.error_m(&tracked, &truth);
+        assert!(error_m < 0.15, "frame {i}: {error_m} m");
+    }
+    assert!(second.pair.mapper.world().map.keyframes().count() == world.map.n_keyframes());
+}
+
+#[test]
+fn a_street_that_repeats_itself_is_no_loop() {
+    let scene = World::repeated_corridor(60.0, 3);
+    let mut trio = Trio::new(&params(), empty());
+    for i in 0..150 {
+        let truth = SE3::new(SO3::identity(), Vec3::new(0.0, 0.0, STEP_M * f64::from(i)));
+        let tracked = trio.step(&scene.frame(i, &truth));
+        assert!(has_pose(&tracked), "frame {i}: {:?}", tracked.state);
+    }
+    assert!(trio.closed.is_empty(), "{:?}", trio.closed[0].1);
+}
