@@ -5,9 +5,10 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
-    LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side, Spec};
@@ -61,13 +62,13 @@ impl<const D: usize> BlockMatrix<D> {
             rows.dedup();
         }
         let (start, pattern) = scalar_pattern::<D>(&above);
-        let symbolic = factorize_symbolic_cholesky(
-            pattern.as_ref(),
-            Side::Upper,
-            SymmetricOrdering::Identity,
-            Default::default(),
-        )
-        .ok()?;
+        // The blocks are supernodes by themselves.
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        let order = SymmetricOrdering::Identity;
+        let symbolic = factorize_symbolic_cholesky(pattern.as_ref(), Side::Upper, order, params).ok()?;
         let request =
             symbolic
                 .factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default())
@@ -211,6 +212,8 @@ fn scalar_pattern<const D: usize>(above: &[Vec<u32>]) -> (Vec<usize>, SymbolicSp
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use nalgebra::{DMatrix, DVector};
     use rand::Rng;
 
@@ -285,13 +288,33 @@ mod tests {
         }
     }
 
+    /// Pairs that elimination in the given order adds.
+    fn n_filled(position: &[u32], pairs: &[(u32, u32)]) -> usize {
+        let mut above = vec![BTreeSet::new(); position.len()];
+        for &(a, b) in pairs {
+            let (a, b) = (position[a as usize], position[b as usize]);
+            above[a.min(b) as usize].insert(a.max(b));
+        }
+        for p in 0..above.len() {
+            let mut rest = above[p].clone();
+            if let Some(next) = rest.pop_first() {
+                above[next as usize].extend(rest);
+            }
+        }
+        above.iter().map(BTreeSet::len).sum::<usize>() - pairs.len()
+    }
+
     #[test]
     fn minimum_degree_fills_no_chain_and_no_star() {
         let star: Vec<_> = (1..200).map(|i| (0, i)).collect();
         let chain: Vec<_> = (1..200).map(|i| (i - 1, i)).collect();
-        for pairs in [star, chain] {
-            let matrix = BlockMatrix::<1>::new(200, &pairs).unwrap();
-            assert!(matrix.symbolic.len_val() <= 200 + 199 + 16, "{}", matrix.symbolic.len_val());
+        let ring: Vec<_> = (0..200).map(|i| (i, (i + 1) % 200)).collect();
+        for (pairs, fill) in [(star, 0), (chain, 0), (ring, 197)] {
+            let position = minimum_degree(200, &pairs).unwrap();
+            assert_eq!(n_filled(&position, &pairs), fill);
+            let mut sorted = position.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..200));
         }
     }
 }

@@ -11,7 +11,7 @@ use geometry::Vec3;
 use super::{ConvexError, TranslationProblem};
 
 /// Relative and absolute duality gap, and feasibility, in whitened units.
-const TOLERANCE: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-8;
 
 /// The positions that minimise the loss, from the given ones; the problem has been checked.
 pub(super) fn solve(problem: &TranslationProblem, start: &[Vec3]) -> Result<Vec<Vec3>, ConvexError> {

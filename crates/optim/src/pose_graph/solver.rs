@@ -28,7 +28,13 @@ where
     let mut descent =
         Descent { factors: &factors, poses: problem.poses.clone(), cost: initial_cost, loss, iterations: 0 };
     let stop = match Structure::new(problem.poses.len(), &problem.fixed, &factors) {
-        Some(structure) if structure.n_free > 0 => descent.run(structure, options),
+        Some(mut structure) if structure.n_free > 0 => {
+            let stop = descent.run(&mut structure, options);
+            if descent.cost < initial_cost {
+                descent.normalize(&structure);
+            }
+            stop
+        }
         Some(_) => StopReason::NoData,
         None => StopReason::NoDescent,
     };
@@ -63,7 +69,7 @@ impl<G, const D: usize> Descent<'_, G, D>
 where
     G: PoseGroup<Tangent = SVector<f64, D>, Matrix = SMatrix<f64, D, D>>,
 {
-    fn run(&mut self, mut structure: Structure<D>, options: &PoseGraphOptions) -> StopReason {
+    fn run(&mut self, structure: &mut Structure<D>, options: &PoseGraphOptions) -> StopReason {
         let mut damping = Damping::new(options.initial_damping);
         let mut gradient = vec![SVector::zeros(); structure.n_free];
         let mut is_linearized = false;
@@ -71,13 +77,13 @@ where
         while self.iterations < options.max_iterations {
             self.iterations += 1;
             if !is_linearized {
-                self.linearize(&mut structure, &mut gradient);
+                self.linearize(structure, &mut gradient);
                 diagonal = structure.matrix.diagonal_values();
                 is_linearized = true;
             }
             let mut decrease = f64::NAN;
-            if let Some(step) = damped_step(&mut structure, &gradient, &diagonal, damping.lambda) {
-                let trial = self.moved(&structure, &step.vector);
+            if let Some(step) = damped_step(structure, &gradient, &diagonal, damping.lambda) {
+                let trial = self.moved(structure, &step.vector);
                 let trial_cost = cost(self.factors, &trial, &self.loss);
                 decrease = self.cost - trial_cost;
                 let small = options.relative_tolerance.max(f64::EPSILON) * self.cost;
@@ -118,12 +124,20 @@ where
         }
     }
 
-    /// The poses after a step; rotations are kept exact.
+    /// The poses after a step.
     fn moved(&self, structure: &Structure<D>, step: &[SVector<f64, D>]) -> Vec<G> {
         let moved = self.poses.iter().zip(&structure.position).map(|(pose, &position)| {
-            if position == STAYS { *pose } else { (G::exp(&step[position as usize]) * *pose).normalized() }
+            if position == STAYS { *pose } else { G::exp(&step[position as usize]) * *pose }
         });
         moved.collect()
+    }
+
+    /// Takes the rounding errors of many steps out of the rotations that moved.
+    fn normalize(&mut self, structure: &Structure<D>) {
+        for (pose, _) in self.poses.iter_mut().zip(&structure.position).filter(|(_, p)| **p != STAYS) {
+            *pose = pose.normalized();
+        }
+        self.cost = cost(self.factors, &self.poses, &self.loss);
     }
 }
 
