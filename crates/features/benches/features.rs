@@ -4,10 +4,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use features::{
-    DepthConfig, EpipolarRange, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, Rig,
-    StereoConfig, match_brute_force, search_epipolar_all, search_windows,
+    DepthConfig, EpipolarRange, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, RemapTable,
+    Rig, StereoConfig, match_brute_force, remap, search_epipolar_all, search_windows,
 };
-use geometry::{Distortion, GrayImage, Pinhole, SE3, SO3, StereoRig, Vec3};
+use geometry::{CameraModel, Distortion, GrayImage, Pinhole, SE3, SO3, StereoRig, Vec3};
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
@@ -73,6 +73,20 @@ fn stages(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// Rectification of an image of EuRoC's size.
+fn rectification(criterion: &mut Criterion) {
+    let camera = Pinhole { fx: 458.654, fy: 457.296, cx: 367.215, cy: 248.375 };
+    let distortion = Distortion { k1: -0.283_408, k2: 0.073_959, p1: 0.000_194, p2: 0.000_018, k3: 0.0 };
+    let model = CameraModel::Pinhole { camera, distortion };
+    let (turn, size) = (SO3::exp(&Vec3::new(0.01, 0.02, 0.03)), (752, 480));
+    let target = Pinhole { fx: 436.0, fy: 436.0, cx: 364.0, cy: 257.0 };
+    let make = || RemapTable::rectifying(&model, &turn, &target, size, size);
+    criterion.bench_function("table of a 752x480 rectification", |b| b.iter(make));
+    let (table, texture) = (make(), made(0));
+    let image = GrayImage::from_fn(size.0, size.1, |x, y| texture.at(x, y % 376));
+    criterion.bench_function("remap 752x480", |b| b.iter(|| black_box(remap(&image, &table))));
+}
+
 fn query(frame: &Frame, i: usize) -> ProjectionQuery {
     let keypoint = frame.keypoints[i];
     ProjectionQuery {
@@ -86,5 +100,5 @@ fn query(frame: &Frame, i: usize) -> ProjectionQuery {
     }
 }
 
-criterion_group!(benches, stages);
+criterion_group!(benches, stages, rectification);
 criterion_main!(benches);

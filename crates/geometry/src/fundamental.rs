@@ -63,7 +63,7 @@ pub fn sampson_error_sq(fundamental: &Mat3, pixel_a: &Vec2, pixel_b: &Vec2) -> f
 }
 
 /// Moves the centroid to zero and the mean distance from it to the square root of two.
-fn normalisation(pixels: &[Vec2]) -> Option<Mat3> {
+pub(crate) fn normalisation(pixels: &[Vec2]) -> Option<Mat3> {
     let n = pixels.len() as f64;
     let centroid = pixels.iter().sum::<Vec2>() / n;
     let mean_distance = pixels.iter().map(|p| (p - centroid).norm()).sum::<f64>() / n;

@@ -10,6 +10,7 @@ mod distortion;
 mod essential;
 mod estimators;
 mod fundamental;
+mod homography;
 mod p3p;
 mod pinhole;
 mod polynomial;
@@ -26,6 +27,7 @@ mod so3;
 mod stereo;
 mod svd;
 mod triangulate;
+mod two_view;
 mod umeyama;
 
 pub use aliases::*;
@@ -33,9 +35,13 @@ pub use camera_model::{CameraModel, KannalaBrandt};
 pub use distortion::Distortion;
 pub use essential::{CheiralityChoice, decompose_essential, essential_from_fundamental, pose_from_essential};
 pub use estimators::{
-    AlignmentEstimator, FundamentalEstimator, PnpEstimator, SightedPoints, SimilarityEstimator,
+    AlignmentEstimator, FundamentalEstimator, HomographyEstimator, PnpEstimator, SightedPoints,
+    SimilarityEstimator,
 };
 pub use fundamental::{estimate_fundamental, fundamental_from_poses, sampson_error_sq};
+pub use homography::{
+    Homography, PlanarMotion, decompose_homography, estimate_homography, homography_of_four,
+};
 pub use p3p::p3p;
 pub use pinhole::Pinhole;
 pub use ransac::{Consensus, Estimator, RansacOptions, ransac};
@@ -47,4 +53,7 @@ pub use sim3::Sim3;
 pub use so3::SO3;
 pub use stereo::StereoRig;
 pub use triangulate::{angle_between, parallax, triangulate, triangulate_dlt};
+pub use two_view::{
+    TwoView, TwoViewFailure, TwoViewMatches, TwoViewModel, TwoViewOptions, TwoViewReconstruction,
+};
 pub use umeyama::align_umeyama;

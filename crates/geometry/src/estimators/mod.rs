@@ -2,11 +2,13 @@
 
 mod alignment;
 mod fundamental;
+mod homography;
 mod pnp;
 mod similarity;
 
 pub use alignment::AlignmentEstimator;
 pub use fundamental::FundamentalEstimator;
+pub use homography::HomographyEstimator;
 pub use pnp::PnpEstimator;
 pub use similarity::{SightedPoints, SimilarityEstimator};
 

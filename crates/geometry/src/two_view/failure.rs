@@ -1,0 +1,79 @@
+//! Why two views are not reconstructed, as values with numbers.
+
+use super::TwoViewModel;
+use std::fmt;
+
+/// Why two views give no map; a later second view may.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TwoViewFailure {
+    /// Too few matches with a weight.
+    TooFewMatches {
+        /// Matches there are.
+        found: usize,
+        /// Matches needed.
+        needed: usize,
+    },
+    /// Neither a homography nor a fundamental matrix explains the matches.
+    NoModel {
+        /// Matches that were tried.
+        n_matches: usize,
+    },
+    /// Too few matches agree with the best motion.
+    TooFewPoints {
+        /// The model it came from.
+        model: TwoViewModel,
+        /// Matches that agree.
+        found: usize,
+        /// Matches needed.
+        needed: usize,
+        /// Matches that the model explains.
+        n_inliers: usize,
+    },
+    /// The camera moved too little for what it sees.
+    TooLittleParallax {
+        /// The model it came from.
+        model: TwoViewModel,
+        /// Parallax that enough matches reach, degrees.
+        found_deg: f64,
+        /// Parallax needed, degrees.
+        needed_deg: f64,
+    },
+    /// Two different motions explain the matches.
+    Ambiguous {
+        /// The model they came from.
+        model: TwoViewModel,
+        /// Points of the best motion.
+        best: usize,
+        /// Points of the second best.
+        second: usize,
+        /// Largest share of the second that is accepted.
+        max_share: f64,
+    },
+}
+
+impl fmt::Display for TwoViewFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFewMatches { found, needed } => {
+                write!(f, "too few matches between the two views: {found} of {needed}")
+            }
+            Self::NoModel { n_matches } => {
+                write!(f, "neither a homography nor a fundamental matrix explains the {n_matches} matches")
+            }
+            Self::TooFewPoints { model, found, needed, n_inliers } => write!(
+                f,
+                "too few matches agree with the motion: {found} of {needed} ({model}, {n_inliers} inliers)"
+            ),
+            Self::TooLittleParallax { model, found_deg, needed_deg } => {
+                write!(f, "too little parallax: {found_deg:.2} of {needed_deg:.2} degrees ({model})")
+            }
+            Self::Ambiguous { model, best, second, max_share } => write!(
+                f,
+                "two motions explain the views: {best} and {second} points, at most {:.0} % allowed ({model})",
+                100.0 * max_share
+            ),
+        }
+    }
+}
+
+impl std::error::Error for TwoViewFailure {}
