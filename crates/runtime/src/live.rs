@@ -54,8 +54,8 @@ impl MapStage<'_> {
         let keyframe = self.insert(message.n, request, out);
         self.publish(out);
         self.refine(message.n, request, keyframe, out);
-        self.publish(out);
-        self.ask_for_loop(message.n, keyframe)
+        let world = self.publish(out);
+        self.ask_for_loop(message.n, keyframe, world)
     }
 
     fn take_loop(&mut self, (outcome, times): LoopAnswer, out: &mut Out<'_>) -> Result<(), Halt> {

@@ -19,8 +19,8 @@ impl MapStage<'_> {
         let keyframe = self.insert(message.n, request, out);
         self.publish(out);
         self.refine(message.n, request, keyframe, out);
-        self.publish(out);
-        self.ask_for_loop(message.n, keyframe)
+        let world = self.publish(out);
+        self.ask_for_loop(message.n, keyframe, world)
     }
 
     /// Brings in what is still to come at the end of a run; not if the run is to stop.

@@ -83,14 +83,21 @@ impl<'a> MapStage<'a> {
         }
     }
 
-    /// Shows the world as it is now to tracking.
-    pub(crate) fn publish(&self, out: &mut Out<'_>) {
+    /// Shows the world as it is now to tracking; returns the snapshot.
+    pub(crate) fn publish(&self, out: &mut Out<'_>) -> Arc<World> {
+        let world = self.snapshot();
         (out.publish)(Published {
-            world: Arc::new(self.mapper.world().clone()),
+            world: world.clone(),
             operation: out.log.operations.len(),
             inserted: self.requests,
             refined: self.refined,
         });
+        world
+    }
+
+    /// The world as it is now.
+    pub(crate) fn snapshot(&self) -> Arc<World> {
+        Arc::new(self.mapper.world().clone())
     }
 
     /// Adds the statistics of a tracked frame.
@@ -139,13 +146,18 @@ impl<'a> MapStage<'a> {
         (out.emit)(Event::Keyframe { id, frame: request.frame.index, reason: request.reason, report });
     }
 
-    /// Asks whether a keyframe whose mapping is done sees a place again.
-    pub(crate) fn ask_for_loop(&mut self, n: usize, keyframe: Option<KeyframeId>) -> Result<(), Halt> {
+    /// Asks whether a keyframe sees a place again, in the world right after its mapping.
+    pub(crate) fn ask_for_loop(
+        &mut self,
+        n: usize,
+        keyframe: Option<KeyframeId>,
+        world: Arc<World>,
+    ) -> Result<(), Halt> {
         let (Some(loops), Some(keyframe)) = (&self.loops, keyframe) else { return Ok(()) };
-        if self.mapper.world().map.keyframe(keyframe).is_none() {
+        if world.map.keyframe(keyframe).is_none() {
             return Ok(());
         }
-        let answer = loops.ask((keyframe, Arc::new(self.mapper.world().clone())))?;
+        let answer = loops.ask((keyframe, world))?;
         self.coming_loops.push_back(ComingLoop { n, keyframe, answer });
         Ok(())
     }
@@ -247,7 +259,7 @@ impl<'a> MapStage<'a> {
 
     /// Asks for a global bundle adjustment of the world as it is now.
     pub(crate) fn ask_for_global(&self) -> Result<Answer<GlobalQuestion, GlobalAnswer>, Halt> {
-        self.global.ask(Arc::new(self.mapper.world().clone()))
+        self.global.ask(self.snapshot())
     }
 
     /// Notes that the global solution which the loop of frame `n` started was given up.

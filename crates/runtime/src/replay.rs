@@ -130,7 +130,7 @@ impl Replay<'_> {
     fn view(&mut self, operation: usize, idle: bool, out: &mut Out<'_>) -> Result<View, Stop> {
         self.advance(operation, out)?;
         if self.seen.0 != operation {
-            self.seen = (operation, Arc::new(self.map.mapper.world().clone()));
+            self.seen = (operation, self.map.snapshot());
         }
         Ok(View { world: self.seen.1.clone(), operation, idle })
     }
@@ -177,7 +177,7 @@ impl Replay<'_> {
                 };
                 let Some(request) = &message.keyframe else { return Ok(false) };
                 self.map.refine(n, request, keyframe, out);
-                self.map.ask_for_loop(n, keyframe)?;
+                self.map.ask_for_loop(n, keyframe, self.map.snapshot())?;
             }
             Operation::CloseLoop(n) => return self.close_loop(n, out),
             Operation::Adopt(n) => {

@@ -115,6 +115,6 @@ impl Setup {
 }
 
 /// Default of [`Setup::lag`].
-pub const DEFAULT_LAG: usize = 3;
+pub const DEFAULT_LAG: usize = 2;
 /// Default of [`Setup::loop_lag`].
 pub const DEFAULT_LOOP_LAG: usize = 10;

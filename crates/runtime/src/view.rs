@@ -110,7 +110,7 @@ mod tests {
         let world = Arc::new(World::default());
         let rule = Rule { lag: 3, loop_lag: 10 };
         let mut viewer = Viewer::new(Choice::Exact(rule), world.clone(), states);
-        let mut see = |n: usize, viewer: &mut Viewer| {
+        let see = |n: usize, viewer: &mut Viewer| {
             let view = viewer.at(n).unwrap();
             (view.operation, view.idle)
         };

@@ -79,9 +79,16 @@ fn setup() -> Setup {
 
 #[test]
 fn unusable_frames_are_dropped_with_their_reasons() {
+    for schedule in [Schedule::Sequential, Schedule::Lockstep, Schedule::Live { realtime: false }] {
+        check_unusable_frames(schedule);
+    }
+}
+
+fn check_unusable_frames(schedule: Schedule) {
     use Kind::{Black, Broken, Good, NoRight, OtherSize};
     let feed = Feed(vec![Broken, Black, Good, Broken, Good, NoRight, OtherSize, Good]);
-    let outcome = run(&feed, &setup(), &mut Silent, &AtomicBool::new(false)).unwrap();
+    let setup = Setup { schedule, ..setup() };
+    let outcome = run(&feed, &setup, &mut Silent, &AtomicBool::new(false)).unwrap();
     let dropped = |reason: &str| FrameStatus::Dropped(reason.into());
     let status: Vec<_> = outcome.frames.iter().map(|frame| frame.status.clone()).collect();
     assert_eq!(status[0], dropped("left.png: unexpected end of file"));
@@ -116,7 +123,7 @@ struct Stopper<'a> {
 impl Observer for Stopper<'_> {
     fn event(&mut self, event: &Event) {
         if let Event::Frame { .. } = event {
-            self.after -= 1;
+            self.after = self.after.saturating_sub(1);
             if self.after == 0 {
                 self.stop.store(true, Ordering::Relaxed);
             }
@@ -133,6 +140,19 @@ fn a_stopped_run_keeps_what_it_has() {
     assert_eq!(outcome.frames.len(), 3);
     assert!(outcome.frames.iter().all(|frame| frame.world_from_cam.is_some()));
     assert_eq!(outcome.map.check(), Ok(()));
+}
+
+#[test]
+fn a_run_on_threads_stops_soon_and_keeps_what_it_has() {
+    for schedule in [Schedule::Lockstep, Schedule::Live { realtime: true }] {
+        let stop = AtomicBool::new(false);
+        let feed = Feed(vec![Kind::Good; 2000]);
+        let setup = Setup { schedule, ..setup() };
+        let outcome = run(&feed, &setup, &mut Stopper { stop: &stop, after: 3 }, &stop).unwrap();
+        assert!(outcome.interrupted && (3..2000).contains(&outcome.frames.len()), "{}", outcome.frames.len());
+        assert!(outcome.frames[2].world_from_cam.is_some());
+        assert_eq!((outcome.failure, outcome.map.check()), (None, Ok(())));
+    }
 }
 
 #[test]

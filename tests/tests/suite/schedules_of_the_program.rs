@@ -106,7 +106,7 @@ fn what_cannot_be_used_is_named_before_the_run() {
     };
     let no_map = file("no.dsmap", b"something else");
     let line = format!(
-        "error: {}: not a map file: `something else`, expected a file that begins with `DSMAP`",
+        "error: {}: not a map file: it begins with `somethin`, expected a file that begins with `DSMAP`",
         no_map.display()
     );
     refused(&["--load-map", text(&no_map)], 2, &line);

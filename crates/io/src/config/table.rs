@@ -51,7 +51,7 @@ pub const SCHEMA: &[Entry] = &[
 
     flag("loops.enabled", true, "look for places seen before and correct the map; needs a vocabulary"),
 
-    integer("runtime.lag", 3, "frames", [1, 100], "tracking sees the finished mapping of a keyframe so many frames later; 1: with the next frame"),
+    integer("runtime.lag", 2, "frames", [1, 100], "tracking sees the finished mapping of a keyframe so many frames later; 1: with the next frame"),
     integer("runtime.loop_lag", 10, "frames", [1, 1000], "a loop may be closed so many frames after the keyframe that found it"),
 
     integer("seed", 1, "", [0, i64::MAX], "seed of all random numbers"),
