@@ -29,5 +29,7 @@ pub use mapper::{Mapper, MappingReport};
 pub use params::{LoopParams, MappingParams, Params, TrackingParams};
 pub use places::Places;
 pub use probe::{NoProbe, Probe, Stage, staged};
-pub use tracker::{KeyframeReason, KeyframeRequest, TrackState, TrackStats, Tracked, Tracker};
+pub use tracker::{
+    InitialPair, KeyframeReason, KeyframeRequest, NoPair, TrackState, TrackStats, Tracked, Tracker,
+};
 pub use world::World;

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::tracker::NoPair;
+
 /// Why a frame could not be tracked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lost {
@@ -72,6 +74,8 @@ pub enum NotReady {
         /// All features of this frame.
         features: usize,
     },
+    /// No two views with a reliable motion between them yet.
+    NoPair(NoPair),
     /// The keyframe that starts the map is not in it yet.
     MapStarting,
 }
@@ -83,6 +87,7 @@ impl fmt::Display for NotReady {
                 f,
                 "the map cannot start: {found} of {features} features have a depth, {needed} are needed"
             ),
+            NotReady::NoPair(reason) => write!(f, "the map cannot start: {reason}"),
             NotReady::MapStarting => f.write_str("the map is being started"),
         }
     }

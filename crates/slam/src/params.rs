@@ -6,6 +6,9 @@ const STEREO_SIGMA_PX: f64 = 0.7;
 /// Rolling shutters, motion blur and depth that is not quite of the same moment: as ORB-SLAM2.
 const RGBD_SIGMA_PX: f64 = 1.0;
 
+/// As RGB-D: nothing but the rows and columns of one image.
+const MONO_SIGMA_PX: f64 = 1.0;
+
 /// Parameters of the tracker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackingParams {
@@ -87,6 +90,8 @@ pub struct LoopParams {
     pub min_inliers: usize,
     /// Share of the points that should be visible that it must find.
     pub min_inlier_share: f64,
+    /// Length of a metre in the map: 1 where lengths are metres.
+    pub unit: f64,
     /// Drift that is expected, metres per metre of path (standard deviation).
     pub drift_sigma: f64,
     /// Drift that is believed at all when places are looked for, metres per metre of path.
@@ -108,6 +113,8 @@ pub struct Params {
     pub mapping: MappingParams,
     /// The loop closer's.
     pub loops: LoopParams,
+    /// One camera without depth: maps start from two views, and their unit of length is free.
+    pub monocular: bool,
     /// Standard deviation of a feature's position at octave 0, pixels; errors are judged in units of it.
     pub feature_sigma_px: f64,
     /// Seed of every random decision.
@@ -157,12 +164,14 @@ impl Params {
                 min_ransac_inliers: 20,
                 min_inliers: 40,
                 min_inlier_share: 0.1,
+                unit: 1.0,
                 drift_sigma: 0.01,
                 max_drift: 0.05,
                 prior_margin_m: close_depth_m,
                 essential_weight: 100,
                 global_iterations: 10,
             },
+            monocular: false,
             feature_sigma_px: STEREO_SIGMA_PX,
             seed: 0,
         }
@@ -176,6 +185,23 @@ impl Params {
         params.feature_sigma_px = RGBD_SIGMA_PX;
         params.loops.drift_sigma = 0.02;
         params.loops.max_drift = 0.1;
+        params
+    }
+
+    /// For one camera without depth.
+    pub fn mono(frame_rate_hz: f64) -> Self {
+        let mut params = Params::stereo(f64::INFINITY, frame_rate_hz);
+        params.monocular = true;
+        params.tracking.motion_radius_px = 15.0;
+        params.tracking.keyframe_ratio = 0.9;
+        params.mapping.neighbours = 20;
+        params.feature_sigma_px = MONO_SIGMA_PX;
+        params.loops.with_scale = true;
+        // The unit is the first scene's median depth, of the order of ten metres.
+        params.loops.unit = 0.1;
+        params.loops.drift_sigma = 0.1;
+        params.loops.max_drift = f64::INFINITY;
+        params.loops.prior_margin_m = 0.0;
         params
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn correct(
         let graph = EssentialGraph::new(map, keyframe, params.loops.essential_weight);
         trial::test(&graph, map, keyframe, verified.matched, &rigid, params)?;
         let keyframes = if params.loops.with_scale {
-            solve_similar(&graph, map, keyframe, verified.matched, &here_from_there)
+            solve_similar(&graph, map, keyframe, verified.matched, &here_from_there, params.loops.unit)
         } else {
             solve_rigid(&graph, map, keyframe, verified.matched, &rigid)
         };
@@ -111,11 +111,11 @@ fn corrected(keyframe: KeyframeId, cam_from_world: &Sim3) -> KeyframeCorrection 
     }
 }
 
-/// Variances of translation, rotation and logarithm of scale for a motion.
-fn variances(motion: &SE3) -> [f64; 7] {
+/// Variances of translation, rotation and logarithm of scale for a motion in a map where a metre has the length `unit`.
+fn variances(motion: &SE3, unit: f64) -> [f64; 7] {
     let (length, angle) = (motion.translation.norm(), motion.rotation.angle());
-    let sigma_m = SIGMA_M + SIGMA_M_PER_M * length;
-    let sigma_rad = SIGMA_RAD + SIGMA_RAD_PER_M * length + SIGMA_RAD_PER_RAD * angle;
+    let sigma_m = unit * SIGMA_M + SIGMA_M_PER_M * length;
+    let sigma_rad = SIGMA_RAD + SIGMA_RAD_PER_M * length / unit + SIGMA_RAD_PER_RAD * angle;
     let (m, rad) = (sigma_m * sigma_m, sigma_rad * sigma_rad);
     [m, m, m, rad, rad, rad, SIGMA_LOG_SCALE * SIGMA_LOG_SCALE]
 }
@@ -135,7 +135,7 @@ fn solve_rigid(
         a: a as u32,
         b: b as u32,
         b_from_a,
-        information: Mat6::from_fn(|i, j| if i == j { 1.0 / variances(&b_from_a)[i] } else { 0.0 }),
+        information: Mat6::from_fn(|i, j| if i == j { 1.0 / variances(&b_from_a, 1.0)[i] } else { 0.0 }),
     };
     let mut edges: Vec<_> = graph.edges.iter().map(|e| edge(e.a, e.b, graph.b_from_a(e))).collect();
     if let (Some(a), Some(b)) = (graph.index(there), graph.index(here)) {
@@ -154,9 +154,10 @@ fn solve_similar(
     here: KeyframeId,
     there: KeyframeId,
     here_from_there: &Sim3,
+    unit: f64,
 ) -> Vec<KeyframeCorrection> {
     let edge = |a: usize, b: usize, b_from_a: Sim3| {
-        let variances = variances(&SE3::new(b_from_a.rotation, b_from_a.translation));
+        let variances = variances(&SE3::new(b_from_a.rotation, b_from_a.translation), unit);
         PoseGraphEdge {
             a: a as u32,
             b: b as u32,

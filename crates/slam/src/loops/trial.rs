@@ -42,13 +42,11 @@ pub(super) fn test(
         let motion = graph.cam_from_world[child] * graph.cam_from_world[parent].inverse();
         edges.push(odometry(parent, child, motion, growth, &params.loops));
     }
-    edges.extend(
-        graph.edges.iter().filter(|e| e.is_loop).map(|e| CycleEdge {
-            kind: CycleEdgeKind::EarlierLoop,
-            ..candidate(e.a, e.b, graph.b_from_a(e))
-        }),
-    );
-    edges.push(candidate(there, here, *here_from_there));
+    edges.extend(graph.edges.iter().filter(|e| e.is_loop).map(|e| CycleEdge {
+        kind: CycleEdgeKind::EarlierLoop,
+        ..candidate(e.a, e.b, graph.b_from_a(e), params.loops.unit)
+    }));
+    edges.push(candidate(there, here, *here_from_there, params.loops.unit));
     match test_loop(&graph.cam_from_world, &edges, &LoopTestOptions::default()) {
         LoopVerdict::Consistent(_) => Ok(()),
         LoopVerdict::Inconsistent { reason, numbers } => Err(NoLoop::Inconsistent { reason, numbers }),
@@ -68,18 +66,18 @@ fn odometry(a: usize, b: usize, b_from_a: SE3, growth: f64, params: &LoopParams)
         a: a as u32,
         b: b as u32,
         b_from_a,
-        sigma_m: SIGMA_M + growth * params.drift_sigma * length,
-        sigma_rad: SIGMA_RAD + growth * (SIGMA_RAD_PER_M * length + SIGMA_RAD_PER_RAD * angle),
+        sigma_m: params.unit * SIGMA_M + growth * params.drift_sigma * length,
+        sigma_rad: SIGMA_RAD + growth * (SIGMA_RAD_PER_M * length / params.unit + SIGMA_RAD_PER_RAD * angle),
         kind: CycleEdgeKind::Odometry,
     }
 }
 
-fn candidate(a: usize, b: usize, b_from_a: SE3) -> CycleEdge {
+fn candidate(a: usize, b: usize, b_from_a: SE3, unit: f64) -> CycleEdge {
     CycleEdge {
         a: a as u32,
         b: b as u32,
         b_from_a,
-        sigma_m: LOOP_SIGMA_M,
+        sigma_m: unit * LOOP_SIGMA_M,
         sigma_rad: LOOP_SIGMA_RAD,
         kind: CycleEdgeKind::Candidate,
     }

@@ -3,6 +3,7 @@
 use map::{KeyframeId, Map};
 
 use super::Mapper;
+use crate::params::{MappingParams, Params};
 
 /// Observers, at the same or a finer scale, that make an observation redundant.
 const MIN_OBSERVERS: usize = 3;
@@ -11,19 +12,13 @@ impl Mapper {
     /// Removes redundant keyframes among the covisible ones of `keyframe`; never the first, never the newest.
     pub(super) fn cull_keyframes(&mut self, keyframe: KeyframeId) -> usize {
         let Some(center) = self.world.map.keyframe(keyframe) else { return 0 };
-        let root = self.world.map.keyframes().next().map(|kf| kf.id);
         let candidates = center.covisible_at_least(self.params.mapping.min_covisible_weight).to_vec();
         let mut removed = 0;
         for (id, _) in candidates {
-            if Some(id) == root || id == keyframe {
+            if self.world.map.roots().contains(&id) || id == keyframe {
                 continue;
             }
-            if is_redundant(
-                &self.world.map,
-                id,
-                self.params.mapping.redundant_ratio,
-                self.params.mapping.close_depth_m,
-            ) {
+            if is_redundant(&self.world.map, id, &self.params) {
                 let gone = self.world.map.remove_keyframe(id).is_ok();
                 if gone {
                     self.world.places.remove(id);
@@ -35,14 +30,15 @@ impl Mapper {
     }
 }
 
-fn is_redundant(map: &Map, id: KeyframeId, ratio: f64, close_depth_m: f64) -> bool {
+fn is_redundant(map: &Map, id: KeyframeId, params: &Params) -> bool {
+    let MappingParams { redundant_ratio: ratio, close_depth_m, .. } = params.mapping;
     let Some(keyframe) = map.keyframe(id) else { return false };
     let mut n_points = 0;
     let mut n_redundant = 0;
     for (feature, point) in keyframe.points().iter().enumerate() {
         let Some(point) = point.and_then(|id| map.point(id)) else { continue };
         let depth = f64::from(keyframe.frame.depth[feature]);
-        if depth.is_nan() || depth > close_depth_m {
+        if !params.monocular && (depth.is_nan() || depth > close_depth_m) {
             continue;
         }
         n_points += 1;

@@ -9,20 +9,22 @@ use crate::tracker::stereo_observations;
 const PROBATION: u32 = 2;
 /// Keyframes after which probation is over.
 const GRADUATION: u32 = 3;
-/// Observations (a stereo one counts twice) that a point needs after [`PROBATION`] keyframes.
+/// Observations (a stereo one counts twice) that a point needs after [`PROBATION`] keyframes, with depth and without.
 const MIN_OBSERVATIONS: usize = 4;
+const MIN_MONOCULAR_OBSERVATIONS: usize = 3;
 
 impl Mapper {
     /// Drops young points that failed, releases those that passed; returns how many were dropped.
     pub(super) fn cull_points(&mut self, keyframe: KeyframeId) -> usize {
         let young = std::mem::take(&mut self.young);
         let mut dropped = 0;
+        let needed = if self.params.monocular { MIN_MONOCULAR_OBSERVATIONS } else { MIN_OBSERVATIONS };
         for id in young {
             let Some(point) = self.world.map.point(id) else { continue };
             let age = keyframe.0.saturating_sub(point.created_by.0);
             let rarely_found =
                 f64::from(point.found) < self.params.mapping.min_found_ratio * f64::from(point.seen);
-            let lonely = age >= PROBATION && stereo_observations(&self.world.map, point) < MIN_OBSERVATIONS;
+            let lonely = age >= PROBATION && stereo_observations(&self.world.map, point) < needed;
             if rarely_found || lonely {
                 if self.world.map.remove_point(id).is_ok() {
                     dropped += 1;

@@ -2,10 +2,10 @@
 
 use features::{ProjectionQuery, WindowMatch, search_windows};
 use map::{Keyframe, KeyframeId, Map, Observation, PointId};
-use optim::{CHI2_MONO, CHI2_STEREO};
 
 use super::Mapper;
 use crate::assign::one_to_one;
+use crate::noise::agrees;
 use crate::visibility::project_visible;
 
 /// Search window, pixels at octave 0.
@@ -83,6 +83,7 @@ fn find_duplicates(map: &Map, keyframe: &Keyframe, points: &[PointId]) -> Vec<(u
     present.sort_unstable();
     let center = keyframe.cam_from_world.center();
     let mut ids = Vec::new();
+    let mut points_cam = Vec::new();
     let mut queries = Vec::new();
     for &id in points {
         if present.binary_search(&id).is_ok() {
@@ -91,6 +92,7 @@ fn find_duplicates(map: &Map, keyframe: &Keyframe, points: &[PointId]) -> Vec<(u
         let Some(point) = map.point(id) else { continue };
         let Some(seen) = project_visible(frame, &keyframe.cam_from_world, &center, point) else { continue };
         ids.push(id);
+        points_cam.push(keyframe.cam_from_world * point.position);
         queries.push(ProjectionQuery {
             x: seen.u as f32,
             y: seen.v as f32,
@@ -104,17 +106,7 @@ fn find_duplicates(map: &Map, keyframe: &Keyframe, points: &[PointId]) -> Vec<(u
     let finds = search_windows(frame, &queries, &vec![true; frame.len()]);
     let fits = |query: usize, find: &WindowMatch| {
         let feature = find.best.feature as usize;
-        let q = &queries[query];
-        let keypoint = &frame.keypoints[feature];
-        let (dx, dy) = (f64::from(keypoint.x - q.x), f64::from(keypoint.y - q.y));
-        let right_u = frame.right_u[feature];
-        let (error_sq, limit) = if right_u.is_nan() {
-            (dx * dx + dy * dy, CHI2_MONO)
-        } else {
-            let dr = f64::from(right_u - q.right_u);
-            (dx * dx + dy * dy + dr * dr, CHI2_STEREO)
-        };
-        find.best.distance <= MAX_DISTANCE && error_sq * frame.inv_sigma_sq(feature) <= limit
+        find.best.distance <= MAX_DISTANCE && agrees(frame, feature, &points_cam[query], 1.0)
     };
     one_to_one(&finds, frame.len(), fits).into_iter().map(|(feature, query)| (feature, ids[query])).collect()
 }

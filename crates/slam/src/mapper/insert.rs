@@ -1,20 +1,28 @@
 //! Insertion of a keyframe: its matches become observations, its unmatched close features become points.
 
+use std::sync::Arc;
+
 use features::Frame;
 use geometry::{SE3, Vec3};
 use map::{Batch, KeyframeId, NewKeyframe, NewPoint, Observation, Parent, PointId};
 
 use super::Mapper;
-use crate::tracker::KeyframeRequest;
+use crate::tracker::{InitialPair, KeyframeRequest};
 
 impl Mapper {
     pub(super) fn insert_keyframe(&mut self, request: &KeyframeRequest) -> Option<KeyframeId> {
+        if let Some(pair) = &request.pair {
+            return self.insert_pair(pair, request);
+        }
         let cam_from_world = match request.reference {
             None => request.cam_from_reference,
             Some(reference) => {
                 let (alive, reference_from_alive) = self.world.map.resolve_keyframe(reference)?;
                 let alive_from_world = self.world.map.keyframe(alive)?.cam_from_world;
-                (request.cam_from_reference * reference_from_alive * alive_from_world).normalized()
+                let mut cam_from_reference = request.cam_from_reference;
+                cam_from_reference.translation *=
+                    self.world.map.scale_of(reference) / request.reference_scale;
+                (cam_from_reference * reference_from_alive * alive_from_world).normalized()
             }
         };
         let parent = if request.reference.is_none() { Parent::NewSubmap } else { Parent::Closest };
@@ -38,6 +46,32 @@ impl Mapper {
             points,
         };
         let inserted = self.world.map.insert(batch).ok()?;
+        self.young.extend(inserted.points);
+        inserted.keyframe
+    }
+
+    /// Starts a monocular sub-map with two keyframes and the points that both see.
+    fn insert_pair(&mut self, pair: &InitialPair, request: &KeyframeRequest) -> Option<KeyframeId> {
+        let keyframe = |frame: &Arc<Frame>, cam_from_world, parent| {
+            Some(NewKeyframe { frame: frame.clone(), cam_from_world, matches: Vec::new(), parent })
+        };
+        let root = keyframe(&pair.first, pair.first_from_world, Parent::NewSubmap);
+        let first = self.world.map.insert(Batch { keyframe: root, points: Vec::new() }).ok()?.keyframe?;
+        self.world.places.add(first, &pair.first);
+        let second = self.world.map.next_keyframe_id();
+        let points = pair
+            .points
+            .iter()
+            .map(|&(in_first, in_second, position)| NewPoint {
+                position,
+                observations: vec![
+                    Observation { keyframe: first, feature: in_first },
+                    Observation { keyframe: second, feature: in_second },
+                ],
+            })
+            .collect();
+        let child = keyframe(&request.frame, pair.second_from_world, Parent::Under(first));
+        let inserted = self.world.map.insert(Batch { keyframe: child, points }).ok()?;
         self.young.extend(inserted.points);
         inserted.keyframe
     }

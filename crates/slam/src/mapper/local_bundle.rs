@@ -90,9 +90,9 @@ impl Mapper {
                 });
             }
         }
-        let root = self.world.map.keyframes().next().map(|kf| kf.id);
+        let roots = self.world.map.roots();
         let mut fixed: Vec<bool> =
-            keyframes.iter().enumerate().map(|(i, &id)| i >= free.len() || Some(id) == root).collect();
+            keyframes.iter().enumerate().map(|(i, &id)| i >= free.len() || roots.contains(&id)).collect();
         if !fixed.contains(&true) {
             // Nothing ties the problem to the world: the oldest keyframe does.
             let oldest = (0..keyframes.len()).min_by_key(|&i| keyframes[i])?;

@@ -1,7 +1,7 @@
 //! New points from features that two covisible keyframes see and that have no point yet.
 
 use features::{EpipolarRange, search_epipolar_all};
-use map::{Batch, KeyframeId, NewPoint, Observation};
+use map::{Batch, KeyframeId, Map, NewPoint, Observation};
 
 use super::Mapper;
 use super::two_view::{View, locate};
@@ -11,6 +11,10 @@ use crate::assign::one_to_one;
 const MAX_DEPTH_BASELINES: f64 = 4000.0;
 /// And from this depth on.
 const MIN_DEPTH_BASELINES: f64 = 2.0;
+/// Distance of two cameras without stereo over the scene's median depth from which they tell depths.
+const MIN_PARALLAX: f64 = 0.01;
+/// Nearest depth that they look for, in median depths.
+const MIN_RELATIVE_DEPTH: f64 = 0.05;
 /// Largest descriptor distance of a match.
 const MAX_DISTANCE: u32 = 50;
 /// Best over second-best descriptor distance.
@@ -32,18 +36,13 @@ impl Mapper {
             return 0;
         };
         let (view_a, view_b) = (View::new(a), View::new(b));
-        let baseline_m = view_a.frame.rig.stereo.baseline_m;
-        if (view_a.center - view_b.center).norm() < baseline_m {
+        let Some((min_depth_m, max_depth_m)) = self.depth_range(&view_a, &view_b, neighbour) else {
             return 0;
-        }
+        };
         let unmatched: Vec<u32> = (0..a.frame.len() as u32).filter(|&i| a.point_at(i).is_none()).collect();
         let free: Vec<bool> = b.points().iter().map(Option::is_none).collect();
         let b_from_a = b.cam_from_world * view_a.world_from_cam;
-        let range = EpipolarRange {
-            min_depth_m: MIN_DEPTH_BASELINES * baseline_m,
-            max_depth_m: MAX_DEPTH_BASELINES * baseline_m,
-            max_distance: MAX_DISTANCE,
-        };
+        let range = EpipolarRange { min_depth_m, max_depth_m, max_distance: MAX_DISTANCE };
         let finds = search_epipolar_all(&a.frame, &unmatched, &b.frame, &b_from_a, &range, &free);
         let pairs = one_to_one(&finds, b.frame.len(), |_, find| {
             find.second.is_none_or(|second| find.best.distance as f32 <= MAX_RATIO * second.distance as f32)
@@ -69,4 +68,26 @@ impl Mapper {
             Err(_) => 0,
         }
     }
+
+    /// Depths at which two keyframes can see points; `None` when they are too near to each other to tell.
+    fn depth_range(&self, a: &View<'_>, b: &View<'_>, neighbour: KeyframeId) -> Option<(f64, f64)> {
+        let distance = (a.center - b.center).norm();
+        if self.params.monocular {
+            let depth = median_depth(&self.world.map, neighbour)?;
+            (distance >= MIN_PARALLAX * depth).then_some((MIN_RELATIVE_DEPTH * depth, f64::INFINITY))
+        } else {
+            let baseline_m = a.frame.rig.stereo.baseline_m;
+            let range = (MIN_DEPTH_BASELINES * baseline_m, MAX_DEPTH_BASELINES * baseline_m);
+            (distance >= baseline_m).then_some(range)
+        }
+    }
+}
+
+/// Median depth of the points of a keyframe.
+fn median_depth(map: &Map, keyframe: KeyframeId) -> Option<f64> {
+    let cam_from_world = map.keyframe(keyframe)?.cam_from_world;
+    let points = map.points_of(keyframe);
+    let mut depths: Vec<f64> = points.map(|(_, point)| (cam_from_world * point.position).z).collect();
+    depths.sort_by(f64::total_cmp);
+    depths.get(depths.len() / 2).copied().filter(|&depth| depth > 0.0)
 }

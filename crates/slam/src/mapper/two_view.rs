@@ -4,10 +4,8 @@ use features::Frame;
 use geometry::{SE3, Vec3, triangulate_dlt};
 use map::Keyframe;
 
-/// Chi-square, 2 degrees of freedom, 95 %.
-const CHI2_MONO: f64 = 5.991;
-/// Chi-square, 3 degrees of freedom, 95 %.
-const CHI2_STEREO: f64 = 7.815;
+use crate::noise::agrees;
+
 /// Cosine of the smallest parallax between two rays without stereo.
 const MAX_RAY_COS: f64 = 0.9998;
 /// Tolerance of the ratio of distances against the ratio of scales, on top of one pyramid factor.
@@ -52,21 +50,7 @@ impl<'a> View<'a> {
 
     /// In front of the camera, and reprojected within the chi-square limit.
     fn agrees(&self, feature: usize, position: &Vec3) -> bool {
-        let point_cam = self.cam_from_world * *position;
-        if point_cam.z <= 0.0 {
-            return false;
-        }
-        let uvr = self.frame.rig.stereo.project(&point_cam);
-        let pixel = self.frame.pixel(feature);
-        let (du, dv) = (uvr.x - pixel.x, uvr.y - pixel.y);
-        let right_u = f64::from(self.frame.right_u[feature]);
-        let (error_sq, limit) = if right_u.is_nan() {
-            (du * du + dv * dv, CHI2_MONO)
-        } else {
-            let dr = uvr.z - right_u;
-            (du * du + dv * dv + dr * dr, CHI2_STEREO)
-        };
-        error_sq * self.frame.inv_sigma_sq(feature) <= limit
+        agrees(self.frame, feature, &(self.cam_from_world * *position), 1.0)
     }
 }
 

@@ -44,6 +44,7 @@ pub(crate) struct Counts {
     pub(crate) frames_since_keyframe: u32,
     pub(crate) max_gap: u32,
     pub(crate) mapper_idle: bool,
+    pub(crate) monocular: bool,
     pub(crate) n_keyframes: usize,
     pub(crate) reference_points: usize,
     pub(crate) inliers: usize,
@@ -62,7 +63,8 @@ pub(crate) fn decide(counts: &Counts) -> Option<KeyframeReason> {
     let reference = counts.reference_points as f64;
     let few_shared = (counts.inliers as f64) < ratio * reference;
     let gap = counts.frames_since_keyframe >= counts.max_gap;
-    let weak = (counts.inliers as f64) < WEAK_RATIO * reference || few_close;
+    // Without depth a keyframe in a hurry has no points of its own to give.
+    let weak = !counts.monocular && ((counts.inliers as f64) < WEAK_RATIO * reference || few_close);
     let worth = (few_shared || few_close) && counts.inliers > MIN_INLIERS;
     if !((gap || counts.mapper_idle || weak) && worth) {
         return None;
@@ -103,6 +105,7 @@ impl Tracker {
             frames_since_keyframe: frame.index.saturating_sub(self.last_keyframe_index),
             max_gap: self.params.tracking.max_keyframe_gap,
             mapper_idle,
+            monocular: self.params.monocular,
             n_keyframes,
             reference_points,
             inliers: local.matches.len(),
@@ -134,6 +137,7 @@ mod tests {
         frames_since_keyframe: 3,
         max_gap: 10,
         mapper_idle: false,
+        monocular: false,
         n_keyframes: 5,
         reference_points: 400,
         inliers: 350,
@@ -168,6 +172,13 @@ mod tests {
         );
         assert_eq!(decide(&Counts { close_tracked: 99, close_untracked: 70, ..QUIET }), None);
         assert_eq!(decide(&Counts { close_tracked: 100, close_untracked: 71, ..QUIET }), None);
+    }
+
+    #[test]
+    fn one_camera_waits_for_the_mapper_however_weak() {
+        let weak = Counts { inliers: 99, monocular: true, close_untracked: 0, ..QUIET };
+        assert_eq!(decide(&weak), None);
+        assert_eq!(decide(&Counts { mapper_idle: true, ..weak }), Some(KeyframeReason::FewShared));
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub(crate) struct LastFrame {
     /// The keyframe that the pose refers to.
     pub(crate) reference: KeyframeId,
     pub(crate) cam_from_reference: SE3,
+    /// [`Map::scale_of`] the reference for which `cam_from_reference` holds.
+    scale: f64,
     /// Matches of features with map points, sorted by feature.
     pub(crate) matches: Vec<(u32, PointId)>,
 }
@@ -20,11 +22,13 @@ pub(crate) struct LastFrame {
 impl LastFrame {
     pub(crate) fn new(
         frame: Arc<Frame>,
+        map: &Map,
         reference: KeyframeId,
         cam_from_reference: SE3,
         matches: &[(u32, PointId)],
     ) -> Self {
-        LastFrame { frame, reference, cam_from_reference, matches: matches.to_vec() }
+        let scale = map.scale_of(reference);
+        LastFrame { frame, reference, cam_from_reference, scale, matches: matches.to_vec() }
     }
 
     /// The newest keyframe, if it is this frame.
@@ -36,6 +40,7 @@ impl LastFrame {
             frame: keyframe.frame.clone(),
             reference: keyframe.id,
             cam_from_reference: SE3::identity(),
+            scale: map.scale_of(keyframe.id),
             matches: shown.filter_map(|(point, feature)| Some((feature, (*point)?))).collect(),
         })
     }
@@ -62,11 +67,15 @@ impl LastFrame {
         if let Some(keyframe) = LastFrame::of_newest_keyframe(map, &self.frame) {
             return keyframe;
         }
+        let scale = map.scale_of(self.reference);
+        self.cam_from_reference.translation *= scale / self.scale;
+        self.scale = scale;
         if let Some((alive, removed_from_alive)) = map.resolve_keyframe(self.reference)
             && alive != self.reference
         {
             self.reference = alive;
             self.cam_from_reference = self.cam_from_reference * removed_from_alive;
+            self.scale = map.scale_of(alive);
         }
         self.matches = self
             .matches

@@ -1,5 +1,6 @@
 //! Tracking: a frame and an immutable map give a pose, or a reason why there is none.
 
+mod initial;
 mod keyframe_policy;
 mod last_frame;
 mod local_map;
@@ -19,6 +20,8 @@ use crate::lost::{Lost, NotReady};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::world::World;
+use initial::Initialiser;
+pub use initial::{InitialPair, NoPair};
 pub use keyframe_policy::KeyframeReason;
 pub(crate) use keyframe_policy::stereo_observations;
 use last_frame::LastFrame;
@@ -67,10 +70,14 @@ pub struct KeyframeRequest {
     pub reference: Option<KeyframeId>,
     /// Pose relative to the reference (to the world for the first keyframe of a sub-map).
     pub cam_from_reference: SE3,
+    /// [`Map::scale_of`] the reference when the pose was found.
+    pub reference_scale: f64,
     /// Matches of features with map points, sorted by feature.
     pub matches: Vec<(u32, PointId)>,
     /// Why.
     pub reason: KeyframeReason,
+    /// Both views of a monocular start; `frame` is the second.
+    pub pair: Option<Arc<InitialPair>>,
 }
 
 /// The answer of the tracker for one frame.
@@ -95,6 +102,8 @@ pub struct Tracked {
 pub struct Tracker {
     params: Params,
     last: Option<LastFrame>,
+    /// The first view of a monocular map that is about to start.
+    initialiser: Option<Initialiser>,
     /// The frame that was handed over to start a sub-map and is not seen in the map yet.
     starting: Option<Arc<Frame>>,
     /// Frames in a row that are lost although a map could be started with them.
@@ -108,7 +117,15 @@ pub struct Tracker {
 impl Tracker {
     /// A tracker that has seen nothing. In a world that has keyframes already it begins by relocalisation.
     pub fn new(params: Params) -> Self {
-        Tracker { params, last: None, starting: None, lost_frames: 0, velocity: None, last_keyframe_index: 0 }
+        Tracker {
+            params,
+            last: None,
+            initialiser: None,
+            starting: None,
+            lost_frames: 0,
+            velocity: None,
+            last_keyframe_index: 0,
+        }
     }
 
     /// Finds the pose of `frame` in the map of `world`. `mapper_idle` says whether mapping waits for work; it must
@@ -129,7 +146,7 @@ impl Tracker {
             self.starting = None;
         }
         let last = self.last.take().map(|last| last.refreshed(map));
-        if last.is_none() && map.n_keyframes() == 0 {
+        if last.is_none() && map.n_keyframes() == 0 && !self.params.tracking.localize_only {
             return self.start(frame, SE3::identity());
         }
         match self.find_pose(frame, world, last.as_ref(), probe) {
@@ -151,6 +168,7 @@ impl Tracker {
         probe: &mut dyn Probe,
     ) -> Tracked {
         self.lost_frames = 0;
+        self.initialiser = None;
         self.velocity = last.filter(|_| !stats.relocalised).map(|last| {
             let seconds = last.seconds_to(frame);
             Velocity::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
@@ -162,12 +180,19 @@ impl Tracker {
                     frame: frame.clone(),
                     reference: Some(local.reference),
                     cam_from_reference: local.cam_from_reference,
+                    reference_scale: map.scale_of(local.reference),
                     matches: local.matches.clone(),
                     reason,
+                    pair: None,
                 }
             });
-        self.last =
-            Some(LastFrame::new(frame.clone(), local.reference, local.cam_from_reference, &local.matches));
+        self.last = Some(LastFrame::new(
+            frame.clone(),
+            map,
+            local.reference,
+            local.cam_from_reference,
+            &local.matches,
+        ));
         Tracked {
             state: TrackState::Tracked,
             reference: Some(local.reference),
@@ -220,10 +245,17 @@ impl Tracker {
             .unwrap_or(Lost::TooFewMatches { found: 0, needed: self.params.tracking.min_reference_matches }))
     }
 
-    /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth.
+    /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth, or for the first
+    /// two if there is one camera only and it has moved enough.
     fn start(&mut self, frame: &Arc<Frame>, cam_from_world: SE3) -> Tracked {
         let (found, needed) = (frame.n_with_depth(), self.params.tracking.min_initial_depths);
-        if found < needed || self.params.tracking.localize_only {
+        let mut pair = None;
+        if self.params.monocular {
+            match Initialiser::advance(&mut self.initialiser, frame, cam_from_world, &self.params) {
+                Ok(found) => pair = Some(Arc::new(found)),
+                Err(reason) => return not_tracked(TrackState::NotReady(NotReady::NoPair(reason)), None),
+            }
+        } else if found < needed {
             let reason = NotReady::TooFewDepths { found, needed, features: frame.len() };
             return not_tracked(TrackState::NotReady(reason), None);
         }
@@ -235,9 +267,11 @@ impl Tracker {
         let request = KeyframeRequest {
             frame: frame.clone(),
             reference: None,
-            cam_from_reference: cam_from_world,
+            cam_from_reference: pair.as_ref().map_or(cam_from_world, |pair| pair.second_from_world),
+            reference_scale: 1.0,
             matches: Vec::new(),
             reason: KeyframeReason::First,
+            pair,
         };
         Tracked { keyframe: Some(request), ..not_tracked(TrackState::Started, None) }
     }
@@ -247,9 +281,14 @@ impl Tracker {
     fn lose(&mut self, frame: &Arc<Frame>, map: &Map, last: Option<LastFrame>, lost: Lost) -> Tracked {
         self.velocity = None;
         let tracking = &self.params.tracking;
-        self.lost_frames += u32::from(frame.n_with_depth() >= tracking.min_initial_depths);
+        let could_start = self.params.monocular || frame.n_with_depth() >= tracking.min_initial_depths;
+        self.lost_frames += u32::from(could_start);
         if self.lost_frames > tracking.max_lost_frames && !tracking.localize_only {
-            return self.start(frame, last.map_or(SE3::identity(), |last| last.cam_from_world(map)));
+            let started =
+                self.start(frame, last.as_ref().map_or(SE3::identity(), |last| last.cam_from_world(map)));
+            if started.keyframe.is_some() {
+                return started;
+            }
         }
         let tracked = not_tracked(TrackState::Lost(lost), last.as_ref());
         self.last = last;

@@ -66,11 +66,14 @@ impl Tracker {
             Some(velocity) => velocity.motion_over(last.seconds_to(frame)) * last_cam_from_world,
             None => last_cam_from_world,
         };
+        // Without depth there is no measure of what a long way is.
+        let far = if self.params.monocular { f64::INFINITY } else { frame.rig.stereo.baseline_m };
         let sources = last_points(map, last, &last_cam_from_world);
         let mut lost = Lost::TooFewMatches { found: 0, needed: tracking.min_motion_matches };
         for widening in WIDENINGS {
             let radius_px = widening * tracking.motion_radius_px;
-            let matches = search_last(frame, last, &last_cam_from_world, &predicted, &sources, radius_px);
+            let matches =
+                search_last(frame, last, &last_cam_from_world, &predicted, &sources, radius_px, far);
             let (found, needed) = (matches.len(), tracking.min_motion_matches);
             if found < needed {
                 lost = lost.further(Lost::TooFewMatches { found, needed });
@@ -133,7 +136,7 @@ fn last_points(map: &Map, last: &LastFrame, last_cam_from_world: &SE3) -> Vec<So
 }
 
 /// Matches `(feature, source)` within `radius_px * scale` of the predicted positions. The octaves looked at depend on
-/// whether the camera moved forward, backward or neither by more than its baseline.
+/// whether the camera moved forward, backward or neither by more than `far`.
 fn search_last(
     frame: &Frame,
     last: &LastFrame,
@@ -141,18 +144,18 @@ fn search_last(
     predicted: &SE3,
     sources: &[Source],
     radius_px: f32,
+    far: f64,
 ) -> Vec<(u32, usize)> {
     let forward_m = (*last_cam_from_world * predicted.inverse()).translation.z;
-    let baseline_m = frame.rig.stereo.baseline_m;
     let top = (frame.scales.scales.len() - 1) as u8;
     let mut queries = Vec::with_capacity(sources.len());
     let mut asked = Vec::with_capacity(sources.len());
     for (i, source) in sources.iter().enumerate() {
         let Some(uvr) = project_inside(frame, predicted, &source.position) else { continue };
         let octave = last.frame.keypoints[source.feature as usize].octave;
-        let (min_octave, max_octave) = if forward_m > baseline_m {
+        let (min_octave, max_octave) = if forward_m > far {
             (octave, top)
-        } else if forward_m < -baseline_m {
+        } else if forward_m < -far {
             (0, octave)
         } else {
             (octave.saturating_sub(1), (octave + 1).min(top))

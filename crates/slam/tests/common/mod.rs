@@ -25,6 +25,8 @@ pub(crate) struct World {
     noise_px: f64,
     /// Nothing is seen beyond.
     max_depth_m: f64,
+    /// Whether there is a right camera.
+    pub(crate) stereo: bool,
     /// Error of every measured disparity, pixels.
     pub(crate) disparity_error_px: f64,
 }
@@ -62,6 +64,7 @@ impl World {
             landmarks,
             noise_px,
             max_depth_m: 80.0,
+            stereo: true,
             disparity_error_px: 0.0,
         }
     }
@@ -118,7 +121,7 @@ impl World {
             }
             features.keypoints.push(Keypoint { x, y, octave, angle_deg: 10.0, response: 50.0 });
             features.descriptors.push(descriptor);
-            right_u.push(if right < x { right } else { f32::NAN });
+            right_u.push(if self.stereo && right < x { right } else { f32::NAN });
         }
         let (rig, scales) = (self.rig.clone(), self.scales.clone());
         Arc::new(Frame::new(index, f64::from(index) * 0.1, rig, scales, features, right_u))

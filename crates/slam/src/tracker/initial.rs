@@ -1,0 +1,270 @@
+//! The start of a monocular map: two views, matched from a reference frame on, reconstructed and adjusted.
+
+use std::fmt;
+use std::sync::Arc;
+
+use features::{Frame, ProjectionQuery, consistent_rotations, search_windows};
+use geometry::{
+    SE3, TwoViewFailure, TwoViewMatches, TwoViewOptions, TwoViewReconstruction, Vec2, Vec3, mix_seed,
+};
+use optim::{BundleObservation, BundleOptions, BundleProblem, refine_bundle};
+
+use crate::assign::one_to_one;
+use crate::noise::{agrees, information};
+use crate::params::Params;
+
+/// Features that a frame needs to take part.
+const MIN_FEATURES: usize = 100;
+/// Matches below which the search begins anew with the present frame.
+const MIN_MATCHES: usize = 100;
+/// Points that the finished pair must have.
+const MIN_POINTS: usize = 100;
+/// Half window around the place where a feature was last seen, pixels at octave 0.
+const RADIUS_PX: f32 = 100.0;
+/// Coarsest octave whose features take part: positions of coarser ones are too rough.
+const MAX_OCTAVE: u8 = 2;
+/// Largest descriptor distance, and largest ratio of the best to the second-best one.
+const MAX_DISTANCE: u32 = 50;
+const MAX_RATIO: f32 = 0.9;
+/// Iterations of the adjustment of both views.
+const ITERATIONS: usize = 20;
+/// Purpose of the random numbers, so that no two uses share a stream.
+const SEED_PURPOSE: u64 = 4;
+
+/// Two views that start a monocular map, the first camera at `first_from_world`.
+#[derive(Clone, Debug)]
+pub struct InitialPair {
+    /// The first frame.
+    pub first: Arc<Frame>,
+    /// Its pose; the unit of length is the median depth of the points in it.
+    pub first_from_world: SE3,
+    /// Pose of the second frame.
+    pub second_from_world: SE3,
+    /// Feature in the first frame, feature in the second, position in the world.
+    pub points: Vec<(u32, u32, Vec3)>,
+}
+
+/// Why a pair of frames does not start a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoPair {
+    /// The frame has too few features.
+    TooFewFeatures {
+        /// Features of the frame.
+        found: usize,
+        /// Features needed.
+        needed: usize,
+    },
+    /// The frame is the first of a pair.
+    First,
+    /// Too few features of the first frame are found again; the present frame becomes the first.
+    TooFewMatches {
+        /// Matches found.
+        found: usize,
+        /// Matches needed.
+        needed: usize,
+    },
+    /// No reliable motion between the two frames yet.
+    TwoView(TwoViewFailure),
+    /// Too few points survive the adjustment.
+    TooFewPoints {
+        /// Points left.
+        found: usize,
+        /// Points needed.
+        needed: usize,
+    },
+}
+
+impl fmt::Display for NoPair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NoPair::TooFewFeatures { found, needed } => {
+                write!(f, "the frame has {found} features, {needed} are needed")
+            }
+            NoPair::First => f.write_str("the first of two views is chosen"),
+            NoPair::TooFewMatches { found, needed } => {
+                write!(f, "too few matches with the first view: {found} of {needed}; it is chosen anew")
+            }
+            NoPair::TwoView(failure) => write!(f, "{failure}"),
+            NoPair::TooFewPoints { found, needed } => {
+                write!(f, "too few points after the adjustment of both views: {found} of {needed}")
+            }
+        }
+    }
+}
+
+/// The first view, and where its features were last seen.
+#[derive(Clone, Debug)]
+pub(super) struct Initialiser {
+    first: Arc<Frame>,
+    last_seen: Vec<Vec2>,
+}
+
+impl Initialiser {
+    /// Begins with `frame`.
+    ///
+    /// # Errors
+    /// Always: a single frame starts no map.
+    fn begin(slot: &mut Option<Initialiser>, frame: &Arc<Frame>) -> NoPair {
+        let last_seen = (0..frame.len()).map(|i| frame.pixel(i)).collect();
+        *slot = Some(Initialiser { first: frame.clone(), last_seen });
+        NoPair::First
+    }
+
+    /// Tries `frame` as the second view of the first one in `slot`.
+    ///
+    /// # Errors
+    /// Why there is no pair yet; `slot` then holds what the next frame goes on with.
+    pub(super) fn advance(
+        slot: &mut Option<Initialiser>,
+        frame: &Arc<Frame>,
+        first_from_world: SE3,
+        params: &Params,
+    ) -> Result<InitialPair, NoPair> {
+        if frame.len() < MIN_FEATURES {
+            *slot = None;
+            return Err(NoPair::TooFewFeatures { found: frame.len(), needed: MIN_FEATURES });
+        }
+        let Some(waiting) = slot else { return Err(Initialiser::begin(slot, frame)) };
+        let matches = waiting.match_with(frame);
+        if matches.len() < MIN_MATCHES {
+            let reason = NoPair::TooFewMatches { found: matches.len(), needed: MIN_MATCHES };
+            Initialiser::begin(slot, frame);
+            return Err(reason);
+        }
+        let pair = waiting.reconstruct(frame, &matches, first_from_world, params)?;
+        *slot = None;
+        Ok(pair)
+    }
+
+    /// Matches `(feature of the first, feature of the second)`; remembers where they were seen.
+    fn match_with(&mut self, frame: &Frame) -> Vec<(u32, u32)> {
+        let fine = |i: &usize| self.first.keypoints[*i].octave <= MAX_OCTAVE;
+        let asked: Vec<usize> = (0..self.first.len()).filter(fine).collect();
+        let queries: Vec<ProjectionQuery> = asked
+            .iter()
+            .map(|&i| ProjectionQuery {
+                x: self.last_seen[i].x as f32,
+                y: self.last_seen[i].y as f32,
+                right_u: f32::NAN,
+                radius_px: RADIUS_PX,
+                min_octave: self.first.keypoints[i].octave,
+                max_octave: self.first.keypoints[i].octave,
+                descriptor: self.first.descriptors[i],
+            })
+            .collect();
+        let finds = search_windows(frame, &queries, &vec![true; frame.len()]);
+        let pairs = one_to_one(&finds, frame.len(), |_, find| {
+            let clear = |second: features::Candidate| {
+                (find.best.distance as f32) < MAX_RATIO * second.distance as f32
+            };
+            find.best.distance <= MAX_DISTANCE && find.second.is_none_or(clear)
+        });
+        let turns: Vec<f32> = pairs
+            .iter()
+            .map(|&(feature, query)| {
+                self.first.keypoints[asked[query]].angle_deg - frame.keypoints[feature as usize].angle_deg
+            })
+            .collect();
+        let kept = pairs.iter().zip(consistent_rotations(&turns)).filter(|(_, kept)| *kept);
+        let matches: Vec<(u32, u32)> =
+            kept.map(|(&(feature, query), _)| (asked[query] as u32, feature)).collect();
+        for &(first, second) in &matches {
+            self.last_seen[first as usize] = frame.pixel(second as usize);
+        }
+        matches
+    }
+
+    fn reconstruct(
+        &self,
+        second: &Arc<Frame>,
+        matches: &[(u32, u32)],
+        first_from_world: SE3,
+        params: &Params,
+    ) -> Result<InitialPair, NoPair> {
+        let first = &self.first;
+        let pixels_first: Vec<Vec2> = matches.iter().map(|m| first.pixel(m.0 as usize)).collect();
+        let pixels_second: Vec<Vec2> = matches.iter().map(|m| second.pixel(m.1 as usize)).collect();
+        let trust = |&(i, j): &(u32, u32)| {
+            let (i, j) = (i as usize, j as usize);
+            first.inv_sigma_sq(i) * f64::from(first.activation[i] * second.activation[j])
+        };
+        let weights: Vec<f64> = matches.iter().map(trust).collect();
+        let reconstruction = TwoViewReconstruction {
+            first: first.rig.stereo.camera,
+            second: second.rig.stereo.camera,
+            options: TwoViewOptions::default(),
+        };
+        let views = TwoViewMatches { first: &pixels_first, second: &pixels_second, weights: Some(&weights) };
+        let seed = mix_seed(params.seed, u64::from(second.index), SEED_PURPOSE);
+        let found = reconstruction.reconstruct(&views, seed).map_err(NoPair::TwoView)?;
+        let with_point: Vec<(u32, u32, Vec3)> = matches
+            .iter()
+            .zip(&found.points)
+            .filter_map(|(&(i, j), point)| Some((i, j, (*point)?)))
+            .collect();
+        let (second_from_first, points) =
+            adjust_pair([first, second], found.second_from_first, &with_point, params);
+        if points.len() < MIN_POINTS {
+            return Err(NoPair::TooFewPoints { found: points.len(), needed: MIN_POINTS });
+        }
+        Ok(in_unit(first, second_from_first, &points, first_from_world))
+    }
+}
+
+/// Bundle adjustment of the two views; returns the motion and the points that agree with it in both.
+fn adjust_pair(
+    frames: [&Frame; 2],
+    second_from_first: SE3,
+    points: &[(u32, u32, Vec3)],
+    params: &Params,
+) -> (SE3, Vec<(u32, u32, Vec3)>) {
+    let mut observations = Vec::with_capacity(2 * points.len());
+    for (point, &(i, j, _)) in (0..).zip(points) {
+        for (camera, feature) in [(0, i as usize), (1, j as usize)] {
+            let frame = frames[camera];
+            observations.push(BundleObservation {
+                camera: camera as u32,
+                point,
+                pixel: frame.pixel(feature),
+                right_u: f64::NAN,
+                inv_sigma_sq: information(frame, feature, params.feature_sigma_px),
+            });
+        }
+    }
+    let problem = BundleProblem {
+        rig: frames[0].rig.stereo,
+        cameras: vec![SE3::identity(), second_from_first],
+        fixed: vec![true, false],
+        points: points.iter().map(|p| p.2).collect(),
+        observations,
+    };
+    let options = BundleOptions { max_iterations: ITERATIONS, robust: true, ..Default::default() };
+    let solution = refine_bundle(&problem, &options);
+    let fits = |&(i, j, point): &(u32, u32, Vec3)| {
+        [i, j].iter().zip(&frames).zip(&solution.cameras).all(|((&feature, frame), camera)| {
+            agrees(frame, feature as usize, &(*camera * point), params.feature_sigma_px)
+        })
+    };
+    let moved = points.iter().zip(&solution.points).map(|(&(i, j, _), &position)| (i, j, position));
+    (solution.cameras[1].normalized(), moved.filter(fits).collect())
+}
+
+/// The pair in the world, lengths in units of the points' median depth.
+fn in_unit(
+    first: &Arc<Frame>,
+    second_from_first: SE3,
+    points: &[(u32, u32, Vec3)],
+    first_from_world: SE3,
+) -> InitialPair {
+    let mut depths: Vec<f64> = points.iter().map(|p| p.2.z).collect();
+    depths.sort_by(f64::total_cmp);
+    let unit = depths[depths.len() / 2];
+    let motion = SE3::new(second_from_first.rotation, second_from_first.translation / unit);
+    let world_from_first = first_from_world.inverse();
+    InitialPair {
+        first: first.clone(),
+        first_from_world,
+        second_from_world: (motion * first_from_world).normalized(),
+        points: points.iter().map(|&(i, j, point)| (i, j, world_from_first * (point / unit))).collect(),
+    }
+}
