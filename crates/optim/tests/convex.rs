@@ -14,8 +14,8 @@ fn edge(a: u32, b: u32, translation: Vec3, sigma_m: f64) -> TranslationEdge {
 }
 
 fn fit(problem: &TranslationProblem) -> TranslationFit {
-    let fit = fit_translations(problem).unwrap();
-    assert_eq!(fit_translations(problem).unwrap(), fit, "equal input, equal bits");
+    let fit = fit_translations(problem).expect("an answer");
+    assert_eq!(fit_translations(problem).as_ref(), Ok(&fit), "equal input, equal bits");
     assert_eq!(fit.positions[problem.fixed as usize], Vec3::zeros());
     fit
 }
@@ -121,7 +121,7 @@ fn reweighted(problem: &TranslationProblem) -> Vec<Vec3> {
                 rhs[(b, i)] += weight * e.translation[i];
             }
         }
-        let solved = matrix.cholesky().unwrap().solve(&rhs);
+        let solved = matrix.cholesky().expect("positive definite").solve(&rhs);
         let moved: Vec<Vec3> =
             (0..n).map(|k| solved.row(k).transpose().fixed_rows::<3>(0).into_owned()).collect();
         let step = moved.iter().zip(&positions).map(|(m, p)| (m - p).norm()).fold(0.0, f64::max);

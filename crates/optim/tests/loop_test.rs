@@ -8,6 +8,7 @@ use optim::{
     ConvexError, CycleEdge, CycleEdgeKind, Inconsistency, LoopNumbers, LoopTestOptions, LoopVerdict,
     test_loop,
 };
+use proptest::prelude::*;
 
 /// Nodes per round, 5 m apart along a square of 125 m that begins in the middle of a side.
 const ROUND: u32 = 100;
@@ -285,4 +286,33 @@ fn input_without_an_answer_is_refused_with_a_reason() {
     apart.nodes.push(SE3::identity());
     let verdict = apart.candidate(15, 3, 3);
     assert_eq!(reason(&verdict), &Inconsistency::Convex(ConvexError::Disconnected { node: 20 }));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever the numbers: a verdict, and accepted only what passes its gates.
+    #[test]
+    fn any_numbers_give_a_verdict(
+        seed in 0..1000u64,
+        powers in prop::collection::vec((-160..160i32, -160..160i32), 12),
+        ends in prop::collection::vec((0..12u32, 0..12u32), 4),
+        shift in -160..160i32,
+    ) {
+        let mut course = drifted(seed, 12);
+        for &(a, b) in &ends {
+            course.join(CycleEdgeKind::EarlierLoop, a, b, b);
+        }
+        course.join(CycleEdgeKind::Candidate, 1, 10, 10);
+        for (e, &(m, rad)) in course.edges.iter_mut().zip(&powers) {
+            (e.sigma_m, e.sigma_rad) = (10f64.powi(m), 10f64.powi(rad));
+        }
+        course.edges[3].b_from_a.translation.x += 10f64.powi(shift);
+        let options = LoopTestOptions::default();
+        if let LoopVerdict::Consistent(n) = test_loop(&course.nodes, &course.edges, &options) {
+            prop_assert!(n.rotation_closure_deg <= 4.1 * n.rotation_sigma_deg);
+            prop_assert!(n.translation_closure_m <= 4.1 * n.translation_sigma_m);
+            prop_assert!(n.candidate_residual <= options.max_residual);
+        }
+    }
 }

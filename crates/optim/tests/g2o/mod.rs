@@ -24,7 +24,7 @@ pub fn parse(text: &str) -> PoseGraphProblem<SE3> {
     for line in text.lines() {
         let mut words = line.split_whitespace();
         let tag = words.next().unwrap_or_default();
-        let numbers: Vec<f64> = words.map(|w| w.parse().unwrap()).collect();
+        let numbers: Vec<f64> = words.map(|w| w.parse().expect("a number")).collect();
         match tag {
             "VERTEX_SE3:QUAT" => {
                 ids.push(numbers[0] as u32);
@@ -34,7 +34,7 @@ pub fn parse(text: &str) -> PoseGraphProblem<SE3> {
             _ => panic!("unknown line {line}"),
         }
     }
-    let node = |id: u32| ids.iter().position(|&i| i == id).unwrap() as u32;
+    let node = |id: u32| ids.iter().position(|&i| i == id).expect("a node of the file") as u32;
     let edges = edges.iter().map(|(i, j, numbers)| PoseGraphEdge {
         a: node(*j),
         b: node(*i),
@@ -57,7 +57,7 @@ fn information(values: &[f64]) -> Mat6 {
     let mut values = values.iter();
     for r in 0..6 {
         for c in r..6 {
-            matrix[(r, c)] = *values.next().unwrap();
+            matrix[(r, c)] = *values.next().expect("21 numbers");
             matrix[(c, r)] = matrix[(r, c)];
         }
     }
