@@ -1,48 +1,71 @@
 //! A motion on trial: which matches agree with it, and where their points are.
 
-use super::models::Chosen;
-use super::{CHI2_PIXEL, TwoView, Views};
-use crate::aliases::{Vec2, Vec3};
+use super::models::Suggestion;
+use super::refine::{Refined, refine_motion};
+use super::{CHI2_LINE, CHI2_PIXEL, TwoViewModel, Views};
+use crate::aliases::Vec3;
 use crate::se3::SE3;
 use crate::triangulate::{angle_between, triangulate_dlt};
 
 /// What the matches say of a motion; numbers count matches with a weight.
 pub(super) struct Candidate {
+    pub(super) model: TwoViewModel,
     pub(super) motion: SE3,
-    points: Vec<Option<Vec3>>,
+    /// Sum of the gains.
+    pub(super) score: f64,
+    pub(super) direction_sigma_deg: f64,
+    pub(super) points: Vec<Option<Vec3>>,
+    /// For each match what its errors leave of their limit, weighted; zero for those that do not agree.
+    gains: Vec<f64>,
     pub(super) n_points: usize,
     pub(super) n_consistent: usize,
     /// Parallax that `min_points` consistent matches reach, 0 when there are fewer.
     pub(super) parallax_deg: f64,
 }
 
-/// What a match says.
+/// What a match says of a motion.
 enum Verdict {
     /// Errors too large, or the point lies behind a camera.
     Wrong,
-    /// Agrees, but has too little parallax for a point.
-    Far,
+    /// Agrees with this squared error, square pixels in both images together, but has too little parallax for a point.
+    Far { error_sq: f64 },
     /// Agrees and gives a point in the first camera.
-    Point(Vec3),
+    Point { error_sq: f64, point: Vec3 },
 }
 
 impl Candidate {
-    pub(super) fn new(views: &Views<'_>, motion: SE3) -> Self {
-        let mut candidate =
-            Self { motion, points: Vec::new(), n_points: 0, n_consistent: 0, parallax_deg: 0.0 };
+    /// Refines the suggested motion and hears all matches.
+    pub(super) fn new(views: &Views<'_>, suggestion: &Suggestion) -> Self {
+        let Refined { motion, direction_sigma_deg } = refine_motion(views, &suggestion.motion);
+        let mut candidate = Self {
+            model: suggestion.model,
+            motion,
+            score: 0.0,
+            direction_sigma_deg,
+            points: Vec::with_capacity(views.len()),
+            gains: vec![0.0; views.len()],
+            n_points: 0,
+            n_consistent: 0,
+            parallax_deg: 0.0,
+        };
         let mut parallaxes_deg = Vec::new();
         for i in 0..views.len() {
             let (first, second) = views.rays(i);
             let parallax_deg = angle_between(&(motion.rotation * first), &second).to_degrees();
-            let verdict = verdict(views, &motion, i, parallax_deg);
-            let has_weight = views.weights[i] > 0.0;
-            if has_weight && !matches!(verdict, Verdict::Wrong) {
+            let (error_sq, point) = match verdict(views, &motion, i, parallax_deg) {
+                Verdict::Wrong => (None, None),
+                Verdict::Far { error_sq } => (Some(error_sq), None),
+                Verdict::Point { error_sq, point } => (Some(error_sq), Some(point)),
+            };
+            candidate.points.push(point);
+            let weight = views.weights[i];
+            if let (Some(error_sq), true) = (error_sq, weight > 0.0) {
+                candidate.gains[i] = weight * (CHI2_LINE - error_sq / views.variance()).max(0.0);
+                candidate.score += candidate.gains[i];
                 candidate.n_consistent += 1;
+                candidate.n_points += usize::from(point.is_some());
                 parallaxes_deg.push(parallax_deg);
             }
-            let point = if let Verdict::Point(point) = verdict { Some(point) } else { None };
-            candidate.n_points += usize::from(has_weight && point.is_some());
-            candidate.points.push(point);
         }
         parallaxes_deg.sort_by(|a, b| b.total_cmp(a));
         let rank = views.options().min_points.max(1) - 1;
@@ -50,21 +73,15 @@ impl Candidate {
         candidate
     }
 
-    pub(super) fn to_two_view(&self, chosen: &Chosen, n_second: usize) -> TwoView {
-        let mut depths: Vec<f64> = self.points.iter().flatten().map(|point| point.z).collect();
-        depths.sort_by(f64::total_cmp);
-        TwoView {
-            second_from_first: self.motion,
-            points: self.points.clone(),
-            model: chosen.model,
-            homography_share: chosen.homography_share,
-            n_inliers: chosen.n_inliers,
-            n_consistent: self.n_consistent,
-            n_points: self.n_points,
-            n_second,
-            parallax_deg: self.parallax_deg,
-            median_depth: depths.get(depths.len() / 2).copied().unwrap_or(0.0),
-        }
+    /// How much of what this motion gains by its points another one gains by the same matches, from 0 to about 1. Far points
+    /// agree with many motions and are left out.
+    pub(super) fn share_of(&self, other: &Self) -> f64 {
+        let with_point = || (0..self.points.len()).filter(|&i| self.points[i].is_some());
+        let (own, others) = (
+            with_point().map(|i| self.gains[i]).sum::<f64>(),
+            with_point().map(|i| other.gains[i]).sum::<f64>(),
+        );
+        if own > 0.0 { others / own } else { 1.0 }
     }
 }
 
@@ -83,22 +100,27 @@ fn verdict(views: &Views<'_>, motion: &SE3, i: usize, parallax_deg: f64) -> Verd
     let (pixel_a, pixel_b) = views.pixels(i);
     let (ray_a, ray_b) = views.rays(i);
     let limit_sq = CHI2_PIXEL * views.variance();
-    let fits = |place: Vec2, pixel: &Vec2| (place - pixel).norm_squared() <= limit_sq;
     let is_far = parallax_deg < views.options().min_point_parallax_deg;
     let Some(point) = triangulate_dlt(&[SE3::identity(), *motion], &[ray_a.xy(), ray_b.xy()]) else {
         // At infinity, where the pixel of the other view follows from the turn alone.
         let turned = motion.rotation * ray_a;
-        let agrees = turned.z > 0.0 && fits(second.project(&turned), pixel_b);
-        return if agrees { Verdict::Far } else { Verdict::Wrong };
+        let error_sq = (second.project(&turned) - pixel_b).norm_squared();
+        let agrees = turned.z > 0.0 && error_sq <= limit_sq;
+        return if agrees { Verdict::Far { error_sq } } else { Verdict::Wrong };
     };
     let in_second = motion * point;
-    if !(fits(first.project(&point), pixel_a) && fits(second.project(&in_second), pixel_b)) {
+    let errors_sq = [
+        (first.project(&point) - pixel_a).norm_squared(),
+        (second.project(&in_second) - pixel_b).norm_squared(),
+    ];
+    if !errors_sq.iter().all(|&error_sq| error_sq <= limit_sq) {
         return Verdict::Wrong;
     }
+    let error_sq = errors_sq[0] + errors_sq[1];
     match (is_far, point.z > 0.0 && in_second.z > 0.0) {
         // On which side a far point lies is decided by noise.
-        (true, _) => Verdict::Far,
-        (false, true) => Verdict::Point(point),
+        (true, _) => Verdict::Far { error_sq },
+        (false, true) => Verdict::Point { error_sq, point },
         (false, false) => Verdict::Wrong,
     }
 }

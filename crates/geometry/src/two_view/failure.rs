@@ -42,12 +42,19 @@ pub enum TwoViewFailure {
     Ambiguous {
         /// The model they came from.
         model: TwoViewModel,
-        /// Points of the best motion.
-        best: usize,
-        /// Points of the second best.
-        second: usize,
-        /// Largest share of the second that is accepted.
+        /// How much another motion explains of what the best one does.
+        share: f64,
+        /// Largest share that is accepted.
         max_share: f64,
+    },
+    /// The matches leave the direction of the move uncertain.
+    Uncertain {
+        /// The model it came from.
+        model: TwoViewModel,
+        /// Standard deviation of the direction, degrees.
+        found_deg: f64,
+        /// Largest that is accepted, degrees.
+        max_deg: f64,
     },
 }
 
@@ -67,10 +74,15 @@ impl fmt::Display for TwoViewFailure {
             Self::TooLittleParallax { model, found_deg, needed_deg } => {
                 write!(f, "too little parallax: {found_deg:.2} of {needed_deg:.2} degrees ({model})")
             }
-            Self::Ambiguous { model, best, second, max_share } => write!(
+            Self::Ambiguous { model, share, max_share } => write!(
                 f,
-                "two motions explain the views: {best} and {second} points, at most {:.0} % allowed ({model})",
+                "two motions explain the views: the second {:.0} % as well as the first, at most {:.0} % allowed ({model})",
+                100.0 * share,
                 100.0 * max_share
+            ),
+            Self::Uncertain { model, found_deg, max_deg } => write!(
+                f,
+                "the direction of the move is uncertain: by {found_deg:.1} degrees, at most {max_deg:.1} allowed ({model})"
             ),
         }
     }

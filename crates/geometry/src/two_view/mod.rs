@@ -1,8 +1,10 @@
 //! The start of a monocular map: motion and points from the pixel matches of two views, or the reason why not yet.
 //!
-//! After Mur-Artal, Montiel and Tardos (T-RO 2015, section IV): a homography and a fundamental matrix compete, the motions
-//! behind the winner are tried on the points. Beyond the paper, each motion is refined on the epipolar errors of all matches
-//! before it is judged, and judged on all matches, so that points off a plane help to tell its two solutions apart.
+//! As in Mur-Artal, Montiel and Tardos (T-RO 2015, section IV) a homography and a fundamental matrix are estimated side by side, but
+//! what they suggest decides: all motions behind both are refined on the epipolar errors of all matches, and the one that leaves
+//! the least error wins. (The paper chooses a model by the share of their scores, before any motion is known: in scenes that are
+//! neither flat nor deep that took wrong motions of planes.) A second motion that explains the points almost as well, and a
+//! direction that the matches leave uncertain, are reasons to wait for a better second view.
 
 mod candidate;
 mod failure;
@@ -41,10 +43,10 @@ pub struct TwoViewOptions {
     pub min_parallax_deg: f64,
     /// Parallax in degrees below which a match gives no point.
     pub min_point_parallax_deg: f64,
-    /// Most points of the second best motion, as a share of those of the best.
+    /// Most that another motion may explain of what the best one does, as a share.
     pub max_second_share: f64,
-    /// Share of the homography in the sum of both scores above which it is chosen.
-    pub homography_share: f64,
+    /// Largest standard deviation of the direction of the translation, degrees.
+    pub max_direction_sigma_deg: f64,
 }
 
 impl Default for TwoViewOptions {
@@ -57,8 +59,8 @@ impl Default for TwoViewOptions {
             min_share: 0.9,
             min_parallax_deg: 1.0,
             min_point_parallax_deg: 0.36,
-            max_second_share: 0.7,
-            homography_share: 0.4,
+            max_second_share: 0.8,
+            max_direction_sigma_deg: 2.0,
         }
     }
 }
@@ -74,7 +76,7 @@ pub struct TwoViewMatches<'a> {
     pub weights: Option<&'a [f64]>,
 }
 
-/// The model that explains the matches.
+/// The model that a motion comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TwoViewModel {
     /// A plane.
@@ -99,20 +101,22 @@ pub struct TwoView {
     pub second_from_first: SE3,
     /// For each match its point in the first camera, in front of both and with small errors in both; `None` for the others.
     pub points: Vec<Option<Vec3>>,
-    /// What was chosen.
+    /// Where the motion comes from.
     pub model: TwoViewModel,
-    /// Share of the homography in the sum of both scores.
+    /// Share of the homography in the sum of the scores of both models: about one half for a plane, less for a scene with depth.
     pub homography_share: f64,
-    /// Matches that the model explains.
+    /// Matches that the model explained.
     pub n_inliers: usize,
     /// Matches that agree with the motion, those with too little parallax for a point among them.
     pub n_consistent: usize,
     /// Number of points.
     pub n_points: usize,
-    /// Points of the second best motion.
-    pub n_second: usize,
+    /// How much of what the motion gains by its points another one gains by the same matches, 0 to 1.
+    pub second_share: f64,
     /// Parallax in degrees that `min_points` matches reach.
     pub parallax_deg: f64,
+    /// Standard deviation of the direction of the translation along its least certain axis, degrees.
+    pub direction_sigma_deg: f64,
     /// Median depth of the points in the first camera.
     pub median_depth: f64,
 }
@@ -159,45 +163,70 @@ impl TwoViewReconstruction {
         if found < self.options.min_matches {
             return Err(TwoViewFailure::TooFewMatches { found, needed: self.options.min_matches });
         }
-        let view = Views { reconstruction: self, matches, weights: &weights };
-        let models = Models::estimate(&view, seed);
-        let Some(chosen) = models.choose(&view) else {
+        let views = Views { reconstruction: self, matches, weights: &weights };
+        let models = Models::estimate(&views, seed);
+        let Some(motions) = models.motions(&views) else {
             return Err(TwoViewFailure::NoModel { n_matches: found });
         };
-        let motions = chosen.motions.iter().map(|motion| refine::refine_motion(&view, motion));
-        let candidates: Vec<Candidate> = motions.map(|motion| Candidate::new(&view, motion)).collect();
-        let order = |c: &&Candidate| (c.n_points, c.n_consistent);
-        // `max_by_key` takes the last of equals; reversed, that is the first.
-        let Some(best) = candidates.iter().rev().max_by_key(order) else {
-            // A homography without a plane: the camera turned only.
-            return Err(self.too_little_parallax(chosen.model, 0.0));
+        let mut candidates: Vec<Candidate> =
+            motions.iter().map(|suggestion| Candidate::new(&views, suggestion)).collect();
+        // Stable: of equals the first stays first.
+        candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let Some((best, others)) = candidates.split_first() else {
+            // A homography that no plane explains: the camera turned only.
+            return Err(self.too_little_parallax(TwoViewModel::Homography, 0.0));
         };
-        let others = candidates.iter().filter(|other| !same_motion(&other.motion, &best.motion));
-        let n_second = others.map(|other| other.n_points).max().unwrap_or(0);
-        self.judge(&chosen, best, n_second)?;
-        Ok(best.to_two_view(&chosen, n_second))
+        let (same, distinct): (Vec<_>, Vec<_>) =
+            others.iter().partition(|other| same_motion(&other.motion, &best.motion));
+        let second_share = distinct.iter().map(|other| best.share_of(other)).fold(0.0, f64::max);
+        // Both models may have led to this motion: the one that explained more.
+        let explained = |model| (models.n_inliers(&views, model), model);
+        let from = same.iter().map(|other| other.model).fold(explained(best.model), |most, model| {
+            let other = explained(model);
+            if other.0 > most.0 { other } else { most }
+        });
+        self.judge(best, second_share, from)?;
+        let (n_inliers, model) = from;
+        let mut depths: Vec<f64> = best.points.iter().flatten().map(|point| point.z).collect();
+        depths.sort_by(f64::total_cmp);
+        Ok(TwoView {
+            second_from_first: best.motion,
+            points: best.points.clone(),
+            model,
+            homography_share: models.homography_share(&views),
+            n_inliers,
+            n_consistent: best.n_consistent,
+            n_points: best.n_points,
+            second_share,
+            parallax_deg: best.parallax_deg,
+            direction_sigma_deg: best.direction_sigma_deg,
+            median_depth: depths.get(depths.len() / 2).copied().unwrap_or(0.0),
+        })
     }
 
     /// The tests of the best motion.
     fn judge(
         &self,
-        chosen: &models::Chosen,
         best: &Candidate,
-        n_second: usize,
+        second_share: f64,
+        (n_inliers, model): (usize, TwoViewModel),
     ) -> Result<(), TwoViewFailure> {
         let options = &self.options;
-        let model = chosen.model;
-        let needed = options.min_points.max((options.min_share * chosen.n_inliers as f64).ceil() as usize);
+        let needed = options.min_points.max((options.min_share * n_inliers as f64).ceil() as usize);
         if best.n_consistent < needed {
-            let (found, n_inliers) = (best.n_consistent, chosen.n_inliers);
+            let found = best.n_consistent;
             return Err(TwoViewFailure::TooFewPoints { model, found, needed, n_inliers });
         }
         if best.parallax_deg < options.min_parallax_deg {
             return Err(self.too_little_parallax(model, best.parallax_deg));
         }
-        if n_second as f64 > options.max_second_share * best.n_points as f64 {
-            let (best, max_share) = (best.n_points, options.max_second_share);
-            return Err(TwoViewFailure::Ambiguous { model, best, second: n_second, max_share });
+        if second_share > options.max_second_share {
+            let max_share = options.max_second_share;
+            return Err(TwoViewFailure::Ambiguous { model, share: second_share, max_share });
+        }
+        if best.direction_sigma_deg > options.max_direction_sigma_deg {
+            let (found_deg, max_deg) = (best.direction_sigma_deg, options.max_direction_sigma_deg);
+            return Err(TwoViewFailure::Uncertain { model, found_deg, max_deg });
         }
         Ok(())
     }

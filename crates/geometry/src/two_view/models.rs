@@ -15,14 +15,11 @@ pub(super) struct Models {
     fundamental: Option<Consensus<Mat3>>,
 }
 
-/// The model that won.
-pub(super) struct Chosen {
+/// A motion that a model suggests.
+pub(super) struct Suggestion {
     pub(super) model: TwoViewModel,
-    pub(super) homography_share: f64,
-    /// Matches with a weight that it explains.
-    pub(super) n_inliers: usize,
-    /// The motions `second_from_first` behind it, translations of length one; none when the camera turned only.
-    pub(super) motions: Vec<SE3>,
+    /// `second_from_first`, its translation of length one.
+    pub(super) motion: SE3,
 }
 
 impl Models {
@@ -38,34 +35,37 @@ impl Models {
         Self { homography, fundamental }
     }
 
-    /// The model that explains the matches better; a plane is preferred, as it makes the fundamental matrix ambiguous.
-    pub(super) fn choose(&self, views: &Views<'_>) -> Option<Chosen> {
+    /// All motions behind both models, refined: first those of the homography. `None` when there is no model at all.
+    pub(super) fn motions(&self, views: &Views<'_>) -> Option<Vec<Suggestion>> {
+        if self.homography.is_none() && self.fundamental.is_none() {
+            return None;
+        }
+        let (first, second) = (&views.reconstruction.first, &views.reconstruction.second);
+        let planar = self.homography.iter().filter_map(|h| decompose_homography(&h.model, first, second));
+        let planar = planar.flatten().filter_map(|planar| unit(&planar.b_from_a));
+        let general = self
+            .fundamental
+            .iter()
+            .filter_map(|f| decompose_essential(&essential_from_fundamental(&f.model, first, second)));
+        let suggest = |model| move |motion| Suggestion { model, motion };
+        let planar = planar.map(suggest(TwoViewModel::Homography));
+        Some(planar.chain(general.flatten().map(suggest(TwoViewModel::Fundamental))).collect())
+    }
+
+    /// Matches with a weight that a model explains.
+    pub(super) fn n_inliers(&self, views: &Views<'_>, model: TwoViewModel) -> usize {
+        let inliers = match model {
+            TwoViewModel::Homography => self.homography.as_ref().map(|h| &h.inliers),
+            TwoViewModel::Fundamental => self.fundamental.as_ref().map(|f| &f.inliers),
+        };
+        inliers.into_iter().flatten().filter(|&&i| views.weights[i] > 0.0).count()
+    }
+
+    /// The share of the homography in the sum of both scores: about one half for a plane or a mere turn, less for depth.
+    pub(super) fn homography_share(&self, views: &Views<'_>) -> f64 {
         let by_plane = self.homography.as_ref().map_or(0.0, |h| homography_score(views, &h.model));
         let by_lines = self.fundamental.as_ref().map_or(0.0, |f| fundamental_score(views, &f.model));
-        let homography_share = by_plane / (by_plane + by_lines);
-        let count = |inliers: &[usize]| inliers.iter().filter(|&&i| views.weights[i] > 0.0).count();
-        let (first, second) = (&views.reconstruction.first, &views.reconstruction.second);
-        match (&self.homography, &self.fundamental) {
-            (Some(h), _) if homography_share > views.options().homography_share => {
-                let motions = decompose_homography(&h.model, first, second).into_iter().flatten();
-                Some(Chosen {
-                    model: TwoViewModel::Homography,
-                    homography_share,
-                    n_inliers: count(&h.inliers),
-                    motions: motions.filter_map(|planar| unit(&planar.b_from_a)).collect(),
-                })
-            }
-            (_, Some(f)) => {
-                let essential = essential_from_fundamental(&f.model, first, second);
-                Some(Chosen {
-                    model: TwoViewModel::Fundamental,
-                    homography_share,
-                    n_inliers: count(&f.inliers),
-                    motions: decompose_essential(&essential).into_iter().flatten().collect(),
-                })
-            }
-            _ => None,
-        }
+        by_plane / (by_plane + by_lines)
     }
 }
 

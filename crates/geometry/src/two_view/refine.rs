@@ -14,7 +14,7 @@ type Mat5 = SMatrix<f64, 5, 5>;
 /// wrong matches have no say), by reweighted Gauss-Newton steps as long as they help.
 ///
 /// Translations have length one. The sign of the translation is kept: the errors do not depend on it.
-pub(super) fn refine_motion(views: &Views<'_>, start: &SE3) -> SE3 {
+pub(super) fn refine_motion(views: &Views<'_>, start: &SE3) -> Refined {
     const MAX_ITERATIONS: usize = 20;
     /// Relative gain below which the next step is not worth it.
     const MIN_GAIN: f64 = 1e-9;
@@ -30,7 +30,14 @@ pub(super) fn refine_motion(views: &Views<'_>, start: &SE3) -> SE3 {
         }
         (motion, system) = (next, next_system);
     }
-    motion
+    Refined { motion, direction_sigma_deg: system.direction_sigma(views).to_degrees() }
+}
+
+/// A motion, and how well the matches determine it.
+pub(super) struct Refined {
+    pub(super) motion: SE3,
+    /// Standard deviation of the direction of the translation along its least certain axis, degrees.
+    pub(super) direction_sigma_deg: f64,
 }
 
 /// Cost and normal equations at a motion.
@@ -79,6 +86,16 @@ impl System {
         let [first, second] = self.across.map(|direction| direction.dot(&by_shift));
         let jacobian = Vec5::new(by_turn.x, by_turn.y, by_turn.z, first, second);
         (b.dot(&line_b) * scale, jacobian * scale)
+    }
+
+    /// Standard deviation of the translation's direction in radians, by the inverse of the normal equations; infinite where they
+    /// leave it open.
+    fn direction_sigma(&self, views: &Views<'_>) -> f64 {
+        let Some(cholesky) = self.hessian.cholesky() else { return f64::INFINITY };
+        let covariance = cholesky.inverse() * views.variance();
+        let (a, b, c) = (covariance[(3, 3)], covariance[(3, 4)], covariance[(4, 4)]);
+        // The larger eigenvalue of [a b; b c].
+        (0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).sqrt()).sqrt()
     }
 
     /// The motion after a Gauss-Newton step; `None` when the matches leave it open.

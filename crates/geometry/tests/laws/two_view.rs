@@ -20,8 +20,8 @@ const RECONSTRUCTION: TwoViewReconstruction = TwoViewReconstruction {
         min_share: 0.9,
         min_parallax_deg: 1.0,
         min_point_parallax_deg: 0.36,
-        max_second_share: 0.7,
-        homography_share: 0.4,
+        max_second_share: 0.8,
+        max_direction_sigma_deg: 2.0,
     },
 };
 
@@ -72,7 +72,10 @@ impl Scene {
     /// A wall that recedes to one side.
     fn planar(seed: u64, n: usize) -> Self {
         let normal = Vec3::new(0.2, 0.1, 1.0).normalize();
-        Self::new(seed, n, sideways(seed), |ray, _| 4.0 / normal.dot(ray))
+        // Not towards the wall, which would bring its second solution into view.
+        let mut motion = sideways(seed);
+        motion.translation.z = 0.05;
+        Self::new(seed, n, motion, |ray, _| 4.0 / normal.dot(ray))
     }
 
     fn with_outliers(mut self, seed: u64, n_outliers: usize) -> Self {
@@ -126,7 +129,7 @@ fn a_scene_with_depth_is_reconstructed() {
         let (turn, direction) = scene.errors_deg(&found);
         assert!(turn < 0.15 && direction < 1.0, "seed {seed}: {turn} {direction}");
         assert!((found.second_from_first.translation.norm() - 1.0).abs() < 1e-12);
-        assert!(found.n_points > 280 && found.n_second < 30, "seed {seed}: {found:?}");
+        assert!(found.n_points > 280 && found.second_share < 0.7, "seed {seed}: {found:?}");
         assert!(scene.median_point_error(&found, 0) < 0.02, "seed {seed}");
         assert!(found.parallax_deg > 5.0 && found.points.len() == 300);
         let baseline = scene.second_from_first.translation.norm();
@@ -135,11 +138,11 @@ fn a_scene_with_depth_is_reconstructed() {
 }
 
 #[test]
-fn a_wall_is_reconstructed_by_its_homography() {
+fn a_wall_is_reconstructed() {
     for seed in 0..12 {
         let scene = Scene::planar(seed, 300);
         let found = scene.reconstruct().unwrap_or_else(|failure| panic!("seed {seed}: {failure}"));
-        assert_eq!(found.model, TwoViewModel::Homography);
+        assert!(found.homography_share > 0.45, "seed {seed}: {}", found.homography_share);
         let (turn, direction) = scene.errors_deg(&found);
         assert!(turn < 0.5 && direction < 3.0, "seed {seed}: {turn} {direction}");
         assert!(found.n_points > 270 && scene.median_point_error(&found, 0) < 0.04, "seed {seed}");
@@ -168,10 +171,7 @@ fn a_turn_without_a_move_is_refused() {
         let scene = Scene::new(seed, 300, turn, |_, share| 3.0 + 9.0 * share);
         match scene.reconstruct() {
             Err(TwoViewFailure::TooLittleParallax { model, found_deg, needed_deg }) => {
-                assert!(
-                    model == TwoViewModel::Homography && found_deg < 0.5 && needed_deg == 1.0,
-                    "{found_deg}"
-                );
+                assert!(found_deg < 0.5 && needed_deg == 1.0, "{found_deg} ({model})");
             }
             other => panic!("seed {seed}: {other:?}"),
         }
@@ -257,6 +257,32 @@ fn swapping_the_views_inverts_the_motion() {
     assert!(turn.to_degrees() < 0.05 && distance < 0.01, "{turn} {distance}");
 }
 
+/// The stated uncertainty is that of many runs with other noise, and a limit on it is kept.
+#[test]
+fn the_uncertainty_of_the_direction_is_true() {
+    let motion = sideways(20);
+    let exact = TwoViewOptions { sigma_px: 0.5, ..RECONSTRUCTION.options };
+    let by = TwoViewReconstruction { options: exact, ..RECONSTRUCTION };
+    let (mut squares, mut sigmas) = (Vec::new(), Vec::new());
+    for seed in 0..40 {
+        let scene = Scene::new(seed, 200, motion, |_, share| 3.0 + 9.0 * share);
+        let found = scene.reconstruct_with(&by, seed).expect("a map");
+        squares.push(scene.errors_deg(&found).1.powi(2));
+        sigmas.push(found.direction_sigma_deg);
+    }
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    // The error has two axes, of which the stated one is the longer.
+    let ratio = mean(&squares).sqrt() / mean(&sigmas);
+    assert!((0.75..1.6).contains(&ratio), "{ratio}");
+    let strict = TwoViewOptions { max_direction_sigma_deg: 0.9 * sigmas[0], ..exact };
+    let by = TwoViewReconstruction { options: strict, ..RECONSTRUCTION };
+    let scene = Scene::new(0, 200, motion, |_, share| 3.0 + 9.0 * share);
+    match scene.reconstruct_with(&by, 0) {
+        Err(TwoViewFailure::Uncertain { found_deg, .. }) => assert_eq!(found_deg, sigmas[0]),
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn two_solutions_of_a_wall_are_told() {
     // A narrow view and a way between along and across: the other plane is in front of both cameras, too.
@@ -272,9 +298,7 @@ fn two_solutions_of_a_wall_are_told() {
     let by = TwoViewReconstruction { first: narrow, second: narrow, ..RECONSTRUCTION };
     let outcome = by.reconstruct(&TwoViewMatches { first: &first, second: &second, weights: None }, 1);
     match outcome {
-        Err(TwoViewFailure::Ambiguous { model: TwoViewModel::Homography, best: 300, second, .. }) => {
-            assert!(second > 210, "{second}");
-        }
+        Err(TwoViewFailure::Ambiguous { share, max_share: 0.8, .. }) => assert!(share > 0.85, "{share}"),
         other => panic!("{other:?}"),
     }
 }
@@ -326,8 +350,12 @@ fn failures_are_sentences_with_numbers() {
             "too little parallax: 0.25 of 1.00 degrees (homography)",
         ),
         (
-            TwoViewFailure::Ambiguous { model: plane, best: 90, second: 80, max_share: 0.7 },
-            "two motions explain the views: 90 and 80 points, at most 70 % allowed (homography)",
+            TwoViewFailure::Ambiguous { model: plane, share: 0.874, max_share: 0.8 },
+            "two motions explain the views: the second 87 % as well as the first, at most 80 % allowed (homography)",
+        ),
+        (
+            TwoViewFailure::Uncertain { model, found_deg: 4.26, max_deg: 2.0 },
+            "the direction of the move is uncertain: by 4.3 degrees, at most 2.0 allowed (fundamental matrix)",
         ),
     ] {
         assert_eq!(failure.to_string(), text);
