@@ -9,6 +9,7 @@
 mod candidate;
 mod failure;
 mod models;
+mod outcome;
 mod refine;
 
 pub use failure::TwoViewFailure;
@@ -17,8 +18,9 @@ use crate::aliases::{Vec2, Vec3};
 use crate::pinhole::Pinhole;
 use crate::sampler::usable_weights;
 use crate::se3::SE3;
-use candidate::{Candidate, same_motion};
+use candidate::Candidate;
 use models::Models;
+use outcome::Outcome;
 use std::fmt;
 
 /// Chi-square, 2 degrees of freedom, 95 %: a pixel.
@@ -168,64 +170,31 @@ impl TwoViewReconstruction {
         let Some(motions) = models.motions(&views) else {
             return Err(TwoViewFailure::NoModel { n_matches: found });
         };
-        let mut candidates: Vec<Candidate> =
-            motions.iter().map(|suggestion| Candidate::new(&views, suggestion)).collect();
-        // Stable: of equals the first stays first.
-        candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let Some((best, others)) = candidates.split_first() else {
+        let candidates = motions.iter().map(|suggestion| Candidate::new(&views, suggestion)).collect();
+        let Some(outcome) = Outcome::new(&views, &models, candidates) else {
             // A homography that no plane explains: the camera turned only.
             return Err(self.too_little_parallax(TwoViewModel::Homography, 0.0));
         };
-        let (same, distinct): (Vec<_>, Vec<_>) =
-            others.iter().partition(|other| same_motion(&other.motion, &best.motion));
-        let second_share = distinct.iter().map(|other| best.share_of(other)).fold(0.0, f64::max);
-        // Both models may have led to this motion: the one that explained more.
-        let explained = |model| (models.n_inliers(&views, model), model);
-        let from = same.iter().map(|other| other.model).fold(explained(best.model), |most, model| {
-            let other = explained(model);
-            if other.0 > most.0 { other } else { most }
-        });
-        self.judge(best, second_share, from)?;
-        let (n_inliers, model) = from;
-        let mut depths: Vec<f64> = best.points.iter().flatten().map(|point| point.z).collect();
-        depths.sort_by(f64::total_cmp);
-        Ok(TwoView {
-            second_from_first: best.motion,
-            points: best.points.clone(),
-            model,
-            homography_share: models.homography_share(&views),
-            n_inliers,
-            n_consistent: best.n_consistent,
-            n_points: best.n_points,
-            second_share,
-            parallax_deg: best.parallax_deg,
-            direction_sigma_deg: best.direction_sigma_deg,
-            median_depth: depths.get(depths.len() / 2).copied().unwrap_or(0.0),
-        })
+        self.judge(&outcome)?;
+        Ok(outcome.into_two_view(models.homography_share(&views)))
     }
 
     /// The tests of the best motion.
-    fn judge(
-        &self,
-        best: &Candidate,
-        second_share: f64,
-        (n_inliers, model): (usize, TwoViewModel),
-    ) -> Result<(), TwoViewFailure> {
+    fn judge(&self, outcome: &Outcome) -> Result<(), TwoViewFailure> {
+        let Outcome { ref best, second_share: share, model, n_inliers } = *outcome;
         let options = &self.options;
         let needed = options.min_points.max((options.min_share * n_inliers as f64).ceil() as usize);
         if best.n_consistent < needed {
-            let found = best.n_consistent;
-            return Err(TwoViewFailure::TooFewPoints { model, found, needed, n_inliers });
+            return Err(TwoViewFailure::TooFewPoints { model, found: best.n_consistent, needed, n_inliers });
         }
         if best.parallax_deg < options.min_parallax_deg {
             return Err(self.too_little_parallax(model, best.parallax_deg));
         }
-        if second_share > options.max_second_share {
-            let max_share = options.max_second_share;
-            return Err(TwoViewFailure::Ambiguous { model, share: second_share, max_share });
+        if share > options.max_second_share {
+            return Err(TwoViewFailure::Ambiguous { model, share, max_share: options.max_second_share });
         }
-        if best.direction_sigma_deg > options.max_direction_sigma_deg {
-            let (found_deg, max_deg) = (best.direction_sigma_deg, options.max_direction_sigma_deg);
+        let (found_deg, max_deg) = (best.direction_sigma_deg, options.max_direction_sigma_deg);
+        if found_deg > max_deg {
             return Err(TwoViewFailure::Uncertain { model, found_deg, max_deg });
         }
         Ok(())
