@@ -1,4 +1,5 @@
 //! A run over frames that are partly unusable: what is dropped, with which reason, and what is still there at the end.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first problem")]
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,6 +1,7 @@
-//! Frames of a rendered world in any order, at half the size, for tests that drive the library itself.
+//! Frames of a rendered world in any order, at half the size, for tests that drive the library itself. Each is
+//! rendered once.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use features::{ExtractorConfig, Rig};
 use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
@@ -9,20 +10,23 @@ use runtime::{FrameFeed, FrameInfo, Sensor, Setup};
 use slam::Params;
 use synth::{Preset, World};
 
-/// A drive through the town: frames of the world in the order of `order`. Each is rendered once.
+/// The town, and the frames of its course that were rendered so far.
+static TOWN: LazyLock<(World, Vec<OnceLock<LoadedFrame>>)> = LazyLock::new(|| {
+    let world = World::new(Preset::Town, 1, 1);
+    let images = (0..world.n_frames()).map(|_| OnceLock::new()).collect();
+    (world, images)
+});
+
+/// A drive through the town: frames of its course in any order.
 pub(crate) struct RenderedFeed {
-    world: World,
     order: Vec<usize>,
     /// Seconds from frame to frame.
     period_s: f64,
-    images: Vec<OnceLock<LoadedFrame>>,
 }
 
 impl RenderedFeed {
     pub(crate) fn new(order: impl IntoIterator<Item = usize>) -> Self {
-        let order: Vec<usize> = order.into_iter().collect();
-        let images = order.iter().map(|_| OnceLock::new()).collect();
-        RenderedFeed { world: World::new(Preset::Town, 1, 1), order, period_s: 0.1, images }
+        RenderedFeed { order: order.into_iter().collect(), period_s: 0.1 }
     }
 
     /// The same frames with timestamps this far apart.
@@ -33,8 +37,8 @@ impl RenderedFeed {
 
     /// A setup for it, with small frames, loops and the vocabulary that is part of the program.
     pub(crate) fn setup(&self) -> Setup {
-        let StereoRig { camera, baseline_m } = self.world.rig();
-        let (width, height) = self.world.image_size();
+        let StereoRig { camera, baseline_m } = TOWN.0.rig();
+        let (width, height) = TOWN.0.image_size();
         // The centre of the new pixel 0 lies between the old pixels 0 and 1.
         let half = |c: f64| (c - 0.5) / 2.0;
         let camera =
@@ -64,8 +68,9 @@ impl FrameFeed for RenderedFeed {
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, String> {
-        let images = self.images[i].get_or_init(|| {
-            let images = self.world.images(self.order[i]);
+        let (world, images) = &*TOWN;
+        let images = images[self.order[i]].get_or_init(|| {
+            let images = world.images(self.order[i]);
             LoadedFrame { left: halved(&images.left), right: Some(halved(&images.right)), depth: None }
         });
         Ok(images.clone())

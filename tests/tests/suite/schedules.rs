@@ -159,8 +159,8 @@ fn check_failure(feed: &RenderedFeed, schedule: Schedule, stage: &'static str, s
     let expected = format!("the stage `{stage}` failed: asked to fail at step {step}");
     assert_eq!(failure.to_string(), expected, "{context}");
     let posed = outcome.frames.iter().filter(|frame| frame.world_from_cam.is_some()).count();
-    assert!(posed >= 5, "{context}: {posed} poses of {}", outcome.frames.len());
-    assert!(outcome.map.n_keyframes() >= 2, "{context}");
+    assert!(posed >= 2, "{context}: {posed} poses of {}", outcome.frames.len());
+    assert!(outcome.map.n_keyframes() >= 1, "{context}");
     assert_eq!(outcome.map.check(), Ok(()), "{context}");
 }
 
