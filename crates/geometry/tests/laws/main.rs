@@ -10,6 +10,7 @@ mod point_sets;
 mod ransac;
 mod rasters;
 mod rectification;
+mod scene;
 mod support;
 mod triangulation;
 mod two_view;
