@@ -113,7 +113,7 @@ pub(crate) enum SensorArg {
     Stereo,
     /// A camera and registered depth images.
     Rgbd,
-    /// One camera; refused for now, since a map starts from stereo or RGB-D only.
+    /// One camera: the scale of trajectory and map is free.
     Mono,
 }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
 use io::{
     Config, FeatureSettings, ImageSize, LoopSettings, MappingSettings, RuntimeSettings, Sensor, Sequence,
@@ -33,15 +33,12 @@ pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSi
 /// The setup of a run of `dataset` with images of `size`; the configuration holds the camera in force.
 ///
 /// # Errors
-/// A camera that nobody gives, or a sensor that a run cannot start with.
+/// A camera that nobody gives.
 pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, dataset: &Path) -> Result<Setup> {
     let run_sensor = match sensor {
         Sensor::Stereo => runtime::Sensor::Stereo,
         Sensor::Rgbd => runtime::Sensor::Rgbd,
-        Sensor::Mono => bail!(
-            "{}: sensor mono is not possible: a map can be started from stereo or RGB-D images only",
-            dataset.display()
-        ),
+        Sensor::Mono => runtime::Sensor::Mono,
     };
     let camera = config.camera_in_force(dataset, sensor)?;
     let close_depth_m = config.stereo.close_depth_baselines * camera.rig.baseline_m;
@@ -81,6 +78,7 @@ fn slam_params(config: &Config, sensor: runtime::Sensor, close_depth_m: f64) -> 
     let mut params = match sensor {
         runtime::Sensor::Stereo => Params::stereo(close_depth_m, config.camera.fps),
         runtime::Sensor::Rgbd => Params::rgbd(close_depth_m, config.camera.fps),
+        runtime::Sensor::Mono => Params::mono(config.camera.fps),
     };
     let TrackingSettings {
         init_min_features,
@@ -91,7 +89,7 @@ fn slam_params(config: &Config, sensor: runtime::Sensor, close_depth_m: f64) -> 
     } = config.tracking;
     params.tracking.min_initial_depths = init_min_features;
     params.tracking.min_inliers = min_inliers;
-    params.tracking.keyframe_ratio = keyframe_ratio;
+    params.tracking.keyframe_ratio = keyframe_ratio.unwrap_or(params.tracking.keyframe_ratio);
     params.tracking.min_close_tracked = close_tracked_min;
     params.tracking.max_close_untracked = close_untracked_max;
     let MappingSettings {
@@ -101,7 +99,7 @@ fn slam_params(config: &Config, sensor: runtime::Sensor, close_depth_m: f64) -> 
         keyframe_cull_ratio,
         point_found_ratio,
     } = config.mapping;
-    params.mapping.neighbours = neighbours;
+    params.mapping.neighbours = neighbours.unwrap_or(params.mapping.neighbours);
     params.mapping.first_iterations = local_ba_first_iterations;
     params.mapping.second_iterations = local_ba_second_iterations;
     params.mapping.redundant_ratio = keyframe_cull_ratio;
@@ -144,11 +142,9 @@ mod tests {
     }
 
     #[test]
-    fn without_a_camera_or_with_one_eye_there_is_no_run() {
+    fn without_a_camera_there_is_no_run() {
         let none = Config::load(None, &[]).unwrap();
         let error = from_config(&none, Sensor::Rgbd, SIZE, Path::new("desk")).unwrap_err().to_string();
         assert!(error.starts_with("desk: the dataset has no calibration file"), "{error}");
-        let error = from_config(&config(&[]), Sensor::Mono, SIZE, Path::new("desk")).unwrap_err().to_string();
-        assert!(error.starts_with("desk: sensor mono is not possible"), "{error}");
     }
 }

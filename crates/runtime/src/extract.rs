@@ -70,6 +70,7 @@ fn usable(images: LoadedFrame, setup: &Setup) -> Result<LoadedFrame, String> {
             let depth = images.depth.as_ref().ok_or("there is no depth image")?;
             check("depth", depth.width, depth.height)?;
         }
+        Sensor::Mono => {}
     }
     Ok(images)
 }

@@ -18,6 +18,8 @@ pub enum Sensor {
     Stereo,
     /// Grey image with a registered depth image.
     Rgbd,
+    /// One image: the map's unit of length is free.
+    Mono,
 }
 
 /// How the stages of a run share time. `Sequential` and `Lockstep` give the same bits.

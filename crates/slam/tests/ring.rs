@@ -183,6 +183,34 @@ fn a_finished_map_localises_and_stays_as_it_is() {
 }
 
 #[test]
+fn one_camera_starts_from_two_views_and_closes_the_ring_with_its_scale() {
+    let mut scene = World::ring(RADIUS_M, 0.5, 40.0);
+    scene.stereo = false;
+    let mut mono = Params::mono(10.0);
+    mono.loops.essential_weight = 60;
+    let mut trio = Trio::new(&mono, empty());
+    let n = round() + 25;
+    let mut tracked = Vec::new();
+    for i in 0..n {
+        tracked.push(trio.step(&scene.frame(i, &on_ring(i))));
+    }
+    let first = tracked.iter().position(has_pose).expect("the map starts");
+    assert!(first <= 10, "started at frame {first}");
+    let lost = (first..n as usize).find(|&i| !has_pose(&tracked[i]));
+    assert_eq!(lost, None, "{:?}", tracked[lost.unwrap_or(0)].state);
+    assert!(!trio.closed.is_empty(), "no loop");
+    let centers = |range: std::ops::Range<usize>| -> (Vec<Vec3>, Vec<Vec3>) {
+        let estimate = |i: usize| trio.pair.world_from_cam(&tracked[i]).unwrap().translation;
+        (range.clone().map(estimate).collect(), range.map(|i| on_ring(i as u32).translation).collect())
+    };
+    let (estimate, truth) = centers(first + 1..n as usize);
+    let aligned = geometry::align_umeyama(&estimate, &truth, None, true).unwrap();
+    let worst = estimate.iter().zip(&truth).map(|(e, t)| (aligned * *e - t).norm()).fold(0.0, f64::max);
+    println!("worst error {worst:.3} m, loop scale {:.4}", trio.closed[0].1.scale);
+    assert!(worst < 0.5, "{worst} m");
+}
+
+#[test]
 fn a_street_that_repeats_itself_is_no_loop() {
     let scene = World::repeated_corridor(60.0, 3);
     let mut trio = Trio::new(&params(), empty());

@@ -90,7 +90,7 @@ pub struct TrackingSettings {
     /// Matched points below which a frame is lost.
     pub min_inliers: usize,
     /// Share of the reference's points below which a keyframe is due.
-    pub keyframe_ratio: f64,
+    pub keyframe_ratio: Option<f64>,
     /// Close points tracked below which a keyframe may be due.
     pub close_tracked_min: usize,
     /// Close features without a point above which it is.
@@ -102,7 +102,7 @@ pub struct TrackingSettings {
 #[serde(deny_unknown_fields)]
 pub struct MappingSettings {
     /// Covisible keyframes worked with.
-    pub neighbours: usize,
+    pub neighbours: Option<usize>,
     /// Local bundle adjustment: iterations with the robust kernel.
     pub local_ba_first_iterations: usize,
     /// Local bundle adjustment: iterations without outliers.

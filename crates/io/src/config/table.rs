@@ -32,18 +32,18 @@ pub const SCHEMA: &[Entry] = &[
     integer("features.fast_minimum", 7, "grey levels", [1, 255], "FAST threshold of a cell where the first finds nothing"),
     flag("features.subpixel", true, "refine the position of keypoints below one pixel"),
 
-    optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: four baselines"),
+    optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: five baselines"),
     real("stereo.close_depth_baselines", 40.0, "baselines", above(0.0), "a point nearer than this makes a map point at once"),
     real("stereo.disparity_offset_px", 0.0, "px", between(-5.0, 5.0), "added to every disparity: a known error of the stereo calibration"),
     integer("stereo.calibration_frames", 0, "frames", [0, 100_000], "first frames run once before to refine the disparity offset from the images; 0: not at all"),
 
     integer("tracking.init_min_features", 100, "", [10, 100_000], "features with depth needed to start a map"),
     integer("tracking.min_inliers", 30, "", [4, 10_000], "matched map points below which a frame counts as lost"),
-    real("tracking.keyframe_ratio", 0.75, "", between(0.0, 1.0), "a keyframe is due when fewer of the reference's points are tracked"),
+    optional_real("tracking.keyframe_ratio", "", between(0.0, 1.0), "a keyframe is due when fewer of the reference's points are tracked; absent: 0.75, monocular 0.9"),
     integer("tracking.close_tracked_min", 100, "", [0, 100_000], "close points tracked, below which a keyframe is due ..."),
     integer("tracking.close_untracked_max", 70, "", [0, 100_000], "... if more close features than this have no point"),
 
-    integer("mapping.neighbours", 10, "keyframes", [1, 100], "covisible keyframes with which a new one is triangulated and fused"),
+    optional_integer("mapping.neighbours", "keyframes", [1, 100], "covisible keyframes with which a new one is triangulated and fused; absent: 10, monocular 20"),
     integer("mapping.local_ba_first_iterations", 5, "", [1, 1000], "local bundle adjustment: iterations with the robust kernel"),
     integer("mapping.local_ba_second_iterations", 10, "", [0, 1000], "local bundle adjustment: iterations after outliers are gone"),
     real("mapping.keyframe_cull_ratio", 0.9, "", between(0.1, 1.0), "a keyframe goes when more of its points are seen by three others"),
