@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use geometry::Distortion;
+use geometry::{Distortion, SE3};
 use io::{Calibration, Config, ImageSize, LoadedFrame, Sensor, StampedPose, Trajectory};
 use runtime::{FrameFeed, FrameInfo};
 use synth::World;
@@ -69,6 +69,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
         feed: &feed,
         config_yaml: config.to_yaml(),
         ground_truth: Some(&ground_truth(&world, feed.len)),
+        body_from_left: SE3::identity(),
         context: Context {
             sequence: name.to_owned(),
             sensor: Sensor::Stereo,

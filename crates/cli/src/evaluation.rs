@@ -1,12 +1,14 @@
 //! Errors of a run against ground truth, by the metrics of `eval`.
 
+use std::borrow::Cow;
+
 use anyhow::Result;
 use eval::{Alignment, Association, AteReport, Coverage, Drift, KITTI_LENGTHS_M, TIMESTAMP_TOLERANCE_S};
 use geometry::{SE3, Vec3};
 use io::{Sensor, StampedPose, Trajectory};
 use runtime::FrameRecord;
 
-use crate::trajectories::{own_pose, tracked_poses};
+use crate::trajectories::{body_records, of_left_camera, own_pose, tracked_poses};
 
 /// How far a run is from the truth.
 #[derive(Clone, Debug)]
@@ -38,11 +40,48 @@ pub(crate) fn alignment_of(sensor: Sensor) -> Alignment {
     }
 }
 
+/// Estimate and truth of one and the same thing: the body, or the left camera where the way to the body has no scale.
+#[derive(Clone, Debug)]
+pub(crate) struct Compared<'a> {
+    /// The frames of the run.
+    pub(crate) records: Cow<'a, [FrameRecord]>,
+    /// True poses.
+    pub(crate) truth: Cow<'a, Trajectory>,
+}
+
+impl<'a> Compared<'a> {
+    /// From the records of the left camera and true poses of the body.
+    pub(crate) fn new(
+        records: &'a [FrameRecord],
+        truth: &'a Trajectory,
+        sensor: Sensor,
+        body_from_left: &SE3,
+    ) -> Self {
+        if let Some(body) = body_records(records, sensor, body_from_left) {
+            return Compared { records: Cow::Owned(body), truth: Cow::Borrowed(truth) };
+        }
+        let truth = if *body_from_left == SE3::identity() {
+            Cow::Borrowed(truth)
+        } else {
+            Cow::Owned(of_left_camera(truth, body_from_left))
+        };
+        Compared { records: Cow::Borrowed(records), truth }
+    }
+
+    /// See [`evaluate`].
+    ///
+    /// # Errors
+    /// Those of [`evaluate`].
+    pub(crate) fn evaluate(&self, sensor: Sensor) -> Result<Evaluation> {
+        evaluate(&self.records, &self.truth, sensor)
+    }
+}
+
 /// Compares a run with the ground truth, frames matched by their times.
 ///
 /// # Errors
 /// When no time matches, or when fewer than three frames have a pose.
-pub(crate) fn evaluate(records: &[FrameRecord], truth: &Trajectory, sensor: Sensor) -> Result<Evaluation> {
+fn evaluate(records: &[FrameRecord], truth: &Trajectory, sensor: Sensor) -> Result<Evaluation> {
     let by_time = Association::Timestamp { tolerance_s: TIMESTAMP_TOLERANCE_S };
     let pairs = eval::associate(&tracked_poses(records), truth, by_time)?;
     let ate = eval::ate(&pairs.est, &pairs.gt, alignment_of(sensor))?;
@@ -166,6 +205,26 @@ mod tests {
         }
         assert!(evaluate(&records, &truth(50), Sensor::Mono).unwrap().ate.rmse < 1e-9);
         assert!(evaluate(&records, &truth(50), Sensor::Stereo).unwrap().ate.rmse > 1.0);
+    }
+
+    #[test]
+    fn a_body_beside_the_camera_is_compared_with_itself() {
+        let lever = SE3::new(SO3::exp(&Vec3::new(0.3, 0.2, -1.5)), Vec3::new(0.4, -0.7, 0.2));
+        let (mut camera, body) = arc(60, 0.005);
+        for record in &mut camera {
+            record.world_from_cam = record.world_from_cam.map(|world_from_body| world_from_body * lever);
+        }
+        let rmse = |records: &[FrameRecord], sensor: Sensor, body_from_left: &SE3| {
+            Compared::new(records, &body, sensor, body_from_left).evaluate(sensor).unwrap().ate.rmse
+        };
+        assert!(rmse(&camera, Sensor::Stereo, &lever) < 1e-9);
+        assert!(rmse(&camera, Sensor::Stereo, &SE3::identity()) > 1e-3, "the arc turns");
+        // In a map of another scale the lever is as long as before, which no alignment of the body could undo.
+        for record in &mut camera {
+            record.world_from_cam.as_mut().unwrap().translation *= 0.25;
+        }
+        assert!(rmse(&camera, Sensor::Mono, &lever) < 1e-9);
+        assert!(body_records(&camera, Sensor::Mono, &lever).is_none());
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
 use eval::plot::{TrajectoryFigure, View, save_png};
+use geometry::SE3;
 use io::Trajectory;
 use map::MapFileInfo;
 use runtime::{FrameFeed, FrameRecord, Journal, RunOutcome, Schedule, Setup};
@@ -11,7 +12,7 @@ use sha2::{Digest, Sha256};
 
 use crate::clock::StopWatch;
 use crate::console;
-use crate::evaluation::{Evaluation, evaluate};
+use crate::evaluation::{Compared, Evaluation};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::places::{self, Extras};
 use crate::progress::Progress;
@@ -19,7 +20,7 @@ use crate::report;
 use crate::results::ResultsFolder;
 use crate::summary::{self, Checksums, Summary};
 use crate::tables::{frames_csv, loops_csv, timings_csv};
-use crate::trajectories::{own_pose, pose_per_frame, tracked_poses};
+use crate::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
 
 /// Everything that a run needs.
 pub(crate) struct Job<'a> {
@@ -31,8 +32,10 @@ pub(crate) struct Job<'a> {
     pub(crate) replay: Option<Journal>,
     /// The complete configuration in force, as YAML.
     pub(crate) config_yaml: String,
-    /// What the errors are measured against.
+    /// What the errors are measured against: poses of the body.
     pub(crate) ground_truth: Option<&'a Trajectory>,
+    /// Pose of the left camera in the body; the identity where the camera is the body.
+    pub(crate) body_from_left: SE3,
     /// What goes into the summary beside the outcome.
     pub(crate) context: summary::Context,
     /// Where the files go.
@@ -64,9 +67,12 @@ pub(crate) fn execute(job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit)
         Some(journal) => runtime::replay(job.feed, &job.setup, journal, &mut progress, stop).or_input()?,
     };
     progress.finish();
-    let evaluation = job.ground_truth.map(|truth| evaluate(&outcome.frames, truth, job.context.sensor));
     let sensor = job.context.sensor;
-    let summary = write_results(&job, &outcome, evaluation.as_ref()).or_output()?;
+    let compared =
+        job.ground_truth.map(|truth| Compared::new(&outcome.frames, truth, sensor, &job.body_from_left));
+    let evaluation = compared.as_ref().map(|compared| compared.evaluate(sensor));
+    let truth = compared.as_ref().zip(evaluation.as_ref());
+    let summary = write_results(&job, &outcome, truth).or_output()?;
     console::say(report::text(&summary, job.folder.path()).trim_end());
     if !summary.is_usable() {
         let reason = summary.without_pose.first().map_or("there was no frame", |frame| &frame.reason);
@@ -88,24 +94,27 @@ pub(crate) fn execute(job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit)
 fn write_results(
     job: &Job<'_>,
     outcome: &RunOutcome,
-    evaluation: Option<&Result<Evaluation>>,
+    truth: Option<(&Compared<'_>, &Result<Evaluation>)>,
 ) -> Result<Summary> {
     let folder = &job.folder;
     let kitti = folder.file("trajectory.kitti.txt");
     io::write_kitti(&kitti, &pose_per_frame(&outcome.frames))?;
     io::write_tum(&folder.file("trajectory.tum.txt"), &tracked_poses(&outcome.frames))?;
+    if let Some(body) = body_records(&outcome.frames, job.context.sensor, &job.body_from_left) {
+        io::write_tum(&folder.file("trajectory_body.tum.txt"), &tracked_poses(&body))?;
+    }
     let map_sha256 = write_extras(job, outcome)?;
     folder.write("frames.csv", frames_csv(&outcome.frames).as_bytes())?;
     folder.write("loops.csv", loops_csv(&outcome.loops).as_bytes())?;
     folder.write("config.yaml", job.config_yaml.as_bytes())?;
     folder.write("timings.csv", timings_csv(&outcome.timings).as_bytes())?;
-    let errors = evaluation.and_then(|evaluation| evaluation.as_ref().ok());
-    let figure = figure(&job.context.sequence, &outcome.frames, job.ground_truth, errors);
+    let figure = figure(&job.context.sequence, &outcome.frames, truth);
     if figure.estimate.iter().any(Option::is_some) {
         folder.write_with("trajectory.png", |path| save_png(path, &figure))?;
     }
     let bytes = std::fs::read(&kitti).with_context(|| format!("{}: cannot be read back", kitti.display()))?;
     let checksums = Checksums { trajectory: sha256(&bytes), map: map_sha256 };
+    let evaluation = truth.map(|(_, evaluation)| evaluation);
     let summary = Summary::new(job.context.clone(), outcome, evaluation, checksums, job.watch.seconds());
     let json = serde_json::to_string_pretty(&summary)? + "\n";
     folder.write("summary.json", json.as_bytes())?;
@@ -138,28 +147,28 @@ fn sha256(bytes: &[u8]) -> String {
 fn figure(
     name: &str,
     records: &[FrameRecord],
-    truth: Option<&Trajectory>,
-    errors: Option<&Evaluation>,
+    truth: Option<(&Compared<'_>, &Result<Evaluation>)>,
 ) -> TrajectoryFigure {
+    let Some((compared, errors)) = truth.and_then(|(c, evaluation)| Some((c, evaluation.as_ref().ok()?)))
+    else {
+        let estimate = records.iter().map(|record| Some(own_pose(record)?.translation)).collect();
+        return TrajectoryFigure {
+            title: name.to_owned(),
+            estimate,
+            ground_truth: Vec::new(),
+            view: View::Top,
+        };
+    };
     let position = |record: &FrameRecord| {
-        let pose = own_pose(record)?;
-        let drawn = errors.and_then(|e| e.ate.aligned(&[pose]).first().copied()).unwrap_or(pose);
-        Some(drawn.translation)
+        let aligned = errors.ate.aligned(&[own_pose(record)?]);
+        aligned.first().map(|pose| pose.translation)
     };
     let last_time = records.last().map_or(f64::INFINITY, |record| record.timestamp_s) + 0.5;
-    let driven = truth.iter().flat_map(|truth| &truth.poses).filter(|pose| pose.timestamp_s <= last_time);
-    let title = match errors {
-        Some(e) => format!("{name}: ATE {:.3} m over {:.0} m", e.ate.rmse, e.path_m),
-        None => name.to_owned(),
-    };
+    let driven = compared.truth.poses.iter().filter(|pose| pose.timestamp_s <= last_time);
     TrajectoryFigure {
-        title,
-        estimate: records.iter().map(position).collect(),
-        ground_truth: if errors.is_some() {
-            driven.map(|p| p.world_from_cam.translation).collect()
-        } else {
-            Vec::new()
-        },
+        title: format!("{name}: ATE {:.3} m over {:.0} m", errors.ate.rmse, errors.path_m),
+        estimate: compared.records.iter().map(position).collect(),
+        ground_truth: driven.map(|pose| pose.world_from_cam.translation).collect(),
         view: View::Top,
     }
 }

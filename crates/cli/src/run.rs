@@ -43,6 +43,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
         feed: &feed,
         config_yaml: config.to_yaml(),
         ground_truth: sequence.ground_truth.as_ref(),
+        body_from_left: sequence.body_from_left,
         context: Context {
             sequence: sequence.name.clone(),
             sensor: sequence.sensor,

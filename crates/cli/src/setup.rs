@@ -4,21 +4,25 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
 use io::{
-    Config, FeatureSettings, ImageSize, LoopSettings, MappingSettings, RuntimeSettings, Sensor, Sequence,
-    StereoSettings, TrackingSettings,
+    Config, FeatureSettings, FrameSource, ImageSize, LoopSettings, MappingSettings, RuntimeSettings, Sensor,
+    Sequence, StereoSettings, TrackingSettings,
 };
 use runtime::Setup;
 use slam::Params;
 
-/// Size of a sequence's images, compared with what the configuration says.
+/// Size of a sequence's images, after rectification where there is one, compared with what the configuration says. The size
+/// that the dataset's own calibration gives is taken when at least one image has it.
 ///
 /// # Errors
-/// No image has a readable header, or its size is not the configured one.
+/// No image has a readable header, or its size is not the configured or calibrated one.
 pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSize> {
-    let (position, size) = sequence.image_size().context("no image of the sequence can be read")?;
+    let (position, size) = match calibrated(sequence)? {
+        Some(found) => found,
+        None => sequence.image_size().context("no image of the sequence can be read")?,
+    };
     if let (Some(width), Some(height)) = (config.camera.width, config.camera.height) {
         let expected = ImageSize { width, height };
         ensure!(
@@ -28,6 +32,23 @@ pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSi
         );
     }
     Ok(size)
+}
+
+/// The image size of the dataset's calibration with the position of the first frame that has it; `None` where the dataset
+/// gives no size.
+fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>> {
+    let Some(raw) = &sequence.raw_calibration else { return Ok(None) };
+    let Some(expected) = raw.cameras.first().map(|camera| camera.size) else { return Ok(None) };
+    let has_it = |frame: &FrameSource| io::image_size(&frame.left).is_ok_and(|size| size == expected);
+    if let Some(position) = sequence.frames.iter().position(has_it) {
+        return Ok(Some((position, expected)));
+    }
+    let (position, size) = sequence.image_size().context("no image of the sequence can be read")?;
+    bail!(
+        "{}: found {size} pixels, expected {expected} (resolution in {})",
+        sequence.frames[position].left.display(),
+        raw.source
+    )
 }
 
 /// The setup of a run of `dataset` with images of `size`; the configuration holds the camera in force.

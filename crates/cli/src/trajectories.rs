@@ -1,7 +1,7 @@
 //! From the records of a run to the trajectories that are written and evaluated.
 
 use geometry::SE3;
-use io::{StampedPose, Trajectory};
+use io::{Sensor, StampedPose, Trajectory};
 use runtime::FrameRecord;
 
 /// The frame's own pose `world_from_cam`: only of frames that were tracked.
@@ -25,6 +25,33 @@ pub(crate) fn tracked_poses(records: &[FrameRecord]) -> Trajectory {
         Some(StampedPose { timestamp_s: record.timestamp_s, world_from_cam: own_pose(record)? })
     };
     Trajectory { poses: records.iter().filter_map(pose).collect() }
+}
+
+/// The records with the poses of the body in the place of the left camera's, `world_from_cam * body_from_left^-1` in the same
+/// world; `None` where the camera is the body, and for one camera, whose map has no scale to measure the way to the body with.
+pub(crate) fn body_records(
+    records: &[FrameRecord],
+    sensor: Sensor,
+    body_from_left: &SE3,
+) -> Option<Vec<FrameRecord>> {
+    if sensor == Sensor::Mono || *body_from_left == SE3::identity() {
+        return None;
+    }
+    let cam_from_body = body_from_left.inverse();
+    let of_body = |record: &FrameRecord| FrameRecord {
+        world_from_cam: record.world_from_cam.map(|world_from_cam| world_from_cam * cam_from_body),
+        ..record.clone()
+    };
+    Some(records.iter().map(of_body).collect())
+}
+
+/// Poses of the left camera, from those of the body.
+pub(crate) fn of_left_camera(body: &Trajectory, body_from_left: &SE3) -> Trajectory {
+    let of_left = |pose: &StampedPose| StampedPose {
+        timestamp_s: pose.timestamp_s,
+        world_from_cam: pose.world_from_cam * *body_from_left,
+    };
+    Trajectory { poses: body.poses.iter().map(of_left).collect() }
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use io::{LoadedFrame, Sequence, load_frame};
 
+use crate::rectify::Rectification;
+
 /// What is known of a frame before it is loaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameInfo {
@@ -28,18 +30,23 @@ pub trait FrameFeed: Sync {
     fn load(&self, i: usize) -> Result<LoadedFrame, String>;
 }
 
-/// The first frames of a dataset.
-#[derive(Clone, Copy, Debug)]
+/// The first frames of a dataset, rectified where the dataset's images are raw.
+#[derive(Clone, Debug)]
 pub struct SequenceFeed<'a> {
     sequence: &'a Sequence,
+    rectification: Option<Rectification>,
     len: usize,
 }
 
 impl<'a> SequenceFeed<'a> {
-    /// All frames of a sequence, or the first `max_frames`.
+    /// All frames of a sequence, or the first `max_frames`. Computes the tables of the rectification.
     pub fn new(sequence: &'a Sequence, max_frames: Option<usize>) -> Self {
         let len = sequence.frames.len();
-        SequenceFeed { sequence, len: max_frames.map_or(len, |max| max.min(len)) }
+        SequenceFeed {
+            sequence,
+            rectification: Rectification::of(sequence),
+            len: max_frames.map_or(len, |max| max.min(len)),
+        }
     }
 }
 
@@ -54,6 +61,11 @@ impl FrameFeed for SequenceFeed<'_> {
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, String> {
-        load_frame(&self.sequence.frames[i]).map_err(|error| error.to_string())
+        let files = &self.sequence.frames[i];
+        let frame = load_frame(files).map_err(|error| error.to_string())?;
+        match &self.rectification {
+            Some(rectification) => rectification.apply(frame, files),
+            None => Ok(frame),
+        }
     }
 }

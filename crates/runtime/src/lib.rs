@@ -32,6 +32,7 @@ mod mapping;
 mod outbox;
 mod outcome;
 mod record;
+mod rectify;
 mod replay;
 mod rule;
 mod run;
