@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::thread::{Builder, Scope, ScopedJoinHandle};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
+use rayon::ThreadPoolBuilder;
 
 use crate::corrections::{GlobalAnswer, GlobalQuestion, LoopAnswer, LoopQuestion, adjust, find_loops};
 use crate::events::{Event, Observer};
@@ -24,6 +25,9 @@ use crate::view::{Choice, EXACT_STATES, Viewer};
 const EVENTS: usize = 256;
 /// Questions that may wait for a service.
 const QUESTIONS: usize = 64;
+
+/// Frames with features that may wait for tracking, so that extraction goes on while tracking waits for the map.
+const EXTRACTED_AHEAD: usize = 4;
 
 /// Which of the two schedules.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +61,21 @@ pub(crate) fn spawn<'scope, T: Send + 'scope>(
         .map_err(|error| RunError::Thread { stage, reason: error.to_string() })
 }
 
+/// Starts the thread of a stage whose parallel loops have workers of their own, half as many as extraction has: with
+/// common workers they would queue behind those of extraction, which is always busy.
+fn spawn_with_workers<'scope, T: Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    stage: &'static str,
+    work: impl FnOnce() -> T + Send + 'scope,
+) -> Result<Stage<'scope, T>, RunError> {
+    let workers = ThreadPoolBuilder::new()
+        .num_threads(rayon::current_num_threads().div_ceil(2))
+        .thread_name(move |i| format!("{stage}-{i}"))
+        .build()
+        .map_err(|error| RunError::Thread { stage, reason: error.to_string() })?;
+    spawn(scope, stage, move || workers.install(work))
+}
+
 /// What a stage left.
 pub(crate) fn joined<T>(stage: Stage<'_, T>) -> Result<T, StageFailure> {
     let unwound = |_: Box<dyn Any + Send>| StageFailure { stage: "?", message: "ended by a panic".into() };
@@ -87,7 +106,7 @@ impl<'scope> Stages<'scope> {
         let (map_stage, finders, global) = start_services(scope, job)?;
         let map = {
             let (to_observer, states) = (to_observer.clone(), states.clone());
-            spawn(scope, "map", move || {
+            spawn_with_workers(scope, "map", move || {
                 map(job, manner, map_stage, messages, (publish, states), to_observer)
             })?
         };
@@ -97,7 +116,7 @@ impl<'scope> Stages<'scope> {
         };
         let viewer = Viewer::new(choice, job.start(), states);
         let outbox = Outbox::new(to_mapping, may_wait);
-        let track = spawn(scope, "track", move || {
+        let track = spawn_with_workers(scope, "track", move || {
             let left = track(job, extracted, viewer, outbox, to_observer);
             drop(reader);
             left
@@ -132,7 +151,7 @@ fn start_source<'scope, 'env>(
 ) -> Result<(Receiver<Extracted>, [Stage<'scope, ()>; 2]), RunError> {
     let realtime = manner == Manner::Live { realtime: true };
     let (to_extract, fetched) = bounded(if realtime { 1 } else { AHEAD });
-    let (to_track, extracted) = bounded(usize::from(!realtime));
+    let (to_track, extracted) = bounded(if realtime { 0 } else { EXTRACTED_AHEAD });
     let (taken, faults) = (fetched.clone(), job.faults("decode"));
     let decode = spawn(scope, "decode", move || {
         if realtime {
@@ -154,12 +173,12 @@ fn start_services<'scope, 'env>(
 ) -> Result<(MapStage<'env>, Option<Stage<'scope, ()>>, Stage<'scope, ()>), RunError> {
     let (to_global, asked) = bounded::<Asked<GlobalQuestion, GlobalAnswer>>(QUESTIONS);
     let work = adjust(job.setup, job.faults("global"));
-    let global = spawn(scope, "global", move || serve_newest(&asked, work))?;
+    let global = spawn_with_workers(scope, "global", move || serve_newest(&asked, work))?;
     let (mut loops, mut finders) = (None, None);
     if job.wants_loops() {
         let (to_loops, asked) = bounded::<Asked<LoopQuestion, LoopAnswer>>(QUESTIONS);
         let work = find_loops(job.setup, job.faults("loop"));
-        finders = Some(spawn(scope, "loop", move || serve(&asked, work))?);
+        finders = Some(spawn_with_workers(scope, "loop", move || serve(&asked, work))?);
         loops = Some(Service::Thread(to_loops));
     }
     let stage = MapStage::new(job.setup, job.world.clone(), loops, Service::Thread(to_global));
