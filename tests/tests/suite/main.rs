@@ -3,6 +3,7 @@
 
 mod architecture;
 mod bad_config;
+mod bad_euroc;
 mod bad_images;
 mod bad_sequence;
 mod end_to_end;
