@@ -14,7 +14,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/io", &["geometry"]),
     ("crates/bow", &["geometry", "features"]),
     ("crates/map", &["geometry", "features"]),
-    ("crates/slam", &["geometry", "features", "optim", "map"]),
+    ("crates/slam", &["geometry", "features", "bow", "optim", "map"]),
     ("crates/runtime", &["geometry", "features", "bow", "map", "slam", "io"]),
     ("crates/synth", &["geometry", "io"]),
     ("eval", &["geometry", "io"]),
