@@ -21,7 +21,7 @@ fn views(folder: &str, end: usize, step: usize) -> Option<Vec<View>> {
     };
     let folder = PathBuf::from(data).join(folder);
     let mut paths: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.sort();
+    paths.sort_by_key(|path| number(path));
     let vocabulary = Vocabulary::built_in().unwrap();
     let mut extractor = Extractor::new(ExtractorConfig { keep: 1000, ..ExtractorConfig::default() });
     let mut view = |path: &PathBuf| {
@@ -30,6 +30,12 @@ fn views(folder: &str, end: usize, step: usize) -> Option<Vec<View>> {
         View { features, bow: Arc::new(transformed.bow), direct: transformed.direct }
     };
     Some(paths.iter().take(end).step_by(step).map(&mut view).collect())
+}
+
+/// The number in a file's name: these are not padded with zeros.
+fn number(path: &std::path::Path) -> u32 {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    name.chars().filter(char::is_ascii_digit).collect::<String>().parse().unwrap()
 }
 
 fn index(views: &[View]) -> PlaceIndex {
