@@ -1,7 +1,6 @@
 //! The disparity offset is found from the images alone, and nothing is claimed where they do not tell.
 
 #[allow(dead_code, reason = "shared with other tests")]
-#[allow(dead_code, reason = "each test takes what it needs")]
 mod common;
 
 use common::{Pair, World, slalom};

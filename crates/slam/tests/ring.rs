@@ -49,11 +49,11 @@ impl Trio {
         let tracked = self.pair.step(frame);
         if tracked.keyframe.is_some() {
             let mapper = &mut self.pair.mapper;
-            let id = mapper.world().map.newest_keyframe().unwrap();
+            let id = mapper.world().map.newest_keyframe().expect("a keyframe was inserted");
             if let LoopOutcome::Closed(found) = self.closer.detect(id, mapper.world(), &mut NoProbe) {
-                mapper.close_loop(&found, &mut NoProbe).unwrap();
+                mapper.close_loop(&found, &mut NoProbe).expect("the map takes the loop");
                 if let Some(solution) = adjust_globally(mapper.world(), &self.params, &mut NoProbe) {
-                    mapper.adopt(&solution).unwrap();
+                    mapper.adopt(&solution).expect("the map takes the solution");
                 }
                 assert_eq!(mapper.world().map.check(), Ok(()));
                 self.closed.push((frame.index, found));
@@ -64,12 +64,14 @@ impl Trio {
 
     /// Error of the pose of a frame that was just tracked, metres.
     fn error_m(&self, tracked: &Tracked, truth: &SE3) -> f64 {
-        (self.pair.world_from_cam(tracked).unwrap().translation - truth.translation).norm()
+        (self.pair.world_from_cam(tracked).expect("the frame has a pose").translation - truth.translation)
+            .norm()
     }
 }
 
 fn empty() -> slam::World {
-    slam::World::new(Some(Arc::new(Vocabulary::built_in().unwrap())))
+    let vocabulary = Vocabulary::built_in().expect("it is part of the program");
+    slam::World::new(Some(Arc::new(vocabulary)))
 }
 
 fn has_pose(tracked: &Tracked) -> bool {
