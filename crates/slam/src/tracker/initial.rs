@@ -100,10 +100,7 @@ pub(super) struct Initialiser {
 }
 
 impl Initialiser {
-    /// Begins with `frame`.
-    ///
-    /// # Errors
-    /// Always: a single frame starts no map.
+    /// Begins with `frame`; the answer says that a single frame starts no map.
     fn begin(slot: &mut Option<Initialiser>, frame: &Arc<Frame>) -> NoPair {
         let last_seen = (0..frame.len()).map(|i| frame.pixel(i)).collect();
         *slot = Some(Initialiser { first: frame.clone(), last_seen });
