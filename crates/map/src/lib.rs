@@ -43,6 +43,7 @@ mod keyframe;
 mod map;
 mod observations;
 mod point;
+mod relative_pose;
 mod remove;
 #[cfg(test)]
 mod tests;
@@ -58,5 +59,6 @@ pub use keyframe::Keyframe;
 pub use map::{Map, PROBATION_KEYFRAMES};
 pub use observations::PointFate;
 pub use point::{MapPoint, Observation, PointCount};
+pub use relative_pose::RelativePose;
 pub use remove::Removed;
 pub use validate::{MAX_COORDINATE_M, ROTATION_TOLERANCE};

@@ -1,15 +1,15 @@
 //! From what the stages left to the results: every frame in the final map.
 
-use map::{KeyframeId, Map};
+use map::{KeyframeId, Map, RelativePose};
 use slam::World;
 
 use crate::failure::StageFailure;
 use crate::journal::Journal;
 use crate::map_log::MapLog;
-use crate::record::{FrameRecord, RelativePose, RunOutcome};
+use crate::record::{FrameRecord, RunOutcome};
 use crate::setup::Setup;
 use crate::timings::Timings;
-use crate::track::{TrackLog, TrackedFrame, on_keyframe};
+use crate::track::{TrackLog, TrackedFrame};
 
 /// What a schedule leaves.
 pub(crate) struct Parts {
@@ -68,15 +68,17 @@ fn records(tracked: Vec<TrackedFrame>, mapping: &MapLog, map: &Map) -> Vec<Frame
     let mut last: Option<RelativePose> = None;
     let mut records = Vec::with_capacity(tracked.len());
     for (n, frame) in tracked.into_iter().enumerate() {
-        let known = keyframe_of(n).map(on_keyframe).or(frame.relative);
+        let known = keyframe_of(n).map(RelativePose::of_keyframe).or(frame.relative);
         // Frames that were not tracked repeat the last pose.
-        let relative = known.or_else(|| last.clone().filter(|_| !frame.status.has_pose()));
+        let relative = known.or(last.filter(|_| !frame.status.has_pose()));
         records.push(FrameRecord {
             index: frame.info.index,
             timestamp_s: frame.info.timestamp_s,
             status: frame.status,
-            world_from_cam: relative.as_ref().and_then(|relative| relative.world_from_cam(map)),
-            submap: relative.as_ref().and_then(|relative| map.submap_of(relative.keyframe)),
+            world_from_cam: relative
+                .and_then(|relative| relative.cam_from_world(map))
+                .map(|cam_from_world| cam_from_world.normalized().inverse()),
+            submap: relative.and_then(|relative| map.submap_of(relative.keyframe)),
         });
         last = relative.or(last);
     }

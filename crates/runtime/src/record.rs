@@ -93,23 +93,3 @@ pub enum RunError {
     #[error("the file {0}")]
     Journal(#[from] JournalError),
 }
-
-/// A frame's pose relative to a keyframe, until the map is final.
-#[derive(Clone, Debug)]
-pub(crate) struct RelativePose {
-    pub(crate) keyframe: KeyframeId,
-    pub(crate) cam_from_keyframe: SE3,
-    /// [`Map::scale_of`] the keyframe when the pose was found.
-    pub(crate) scale: f64,
-}
-
-impl RelativePose {
-    /// The pose in the final map, through keyframes that were removed since; lengths follow the keyframe's scale.
-    pub(crate) fn world_from_cam(&self, map: &Map) -> Option<SE3> {
-        let (alive, keyframe_from_alive) = map.resolve_keyframe(self.keyframe)?;
-        let alive_from_world = map.keyframe(alive)?.cam_from_world;
-        let mut cam_from_keyframe = self.cam_from_keyframe;
-        cam_from_keyframe.translation *= map.scale_of(self.keyframe) / self.scale;
-        Some((cam_from_keyframe * keyframe_from_alive * alive_from_world).normalized().inverse())
-    }
-}

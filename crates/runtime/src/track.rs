@@ -3,15 +3,14 @@
 use std::sync::Arc;
 
 use features::Frame;
-use geometry::SE3;
-use map::{KeyframeId, PointCount};
+use map::{PointCount, RelativePose};
 use slam::{KeyframeRequest, TrackState, TrackStats, Tracked, Tracker};
 
 use crate::events::Event;
 use crate::extract::Extracted;
 use crate::feed::FrameInfo;
 use crate::journal::Seen;
-use crate::record::{FrameStatus, RelativePose};
+use crate::record::FrameStatus;
 use crate::setup::Setup;
 use crate::timings::{FrameTimings, Stopwatch};
 use crate::view::View;
@@ -87,11 +86,7 @@ impl TrackStage {
         log.frames.push(TrackedFrame {
             info,
             status: status_of(&tracked),
-            relative: tracked.reference.map(|keyframe| RelativePose {
-                keyframe,
-                cam_from_keyframe: tracked.cam_from_reference,
-                scale: map.scale_of(keyframe),
-            }),
+            relative: tracked.pose,
             seen: Seen::After(view.operation, view.idle),
             timings: watch.finish(),
         });
@@ -131,7 +126,7 @@ fn note_relocalisation(
     log: &mut TrackLog,
     emit: &mut dyn FnMut(Event),
 ) {
-    if let (true, Some(keyframe)) = (tracked.stats.relocalised, tracked.reference) {
+    if let (true, Some(keyframe)) = (tracked.stats.relocalised, tracked.pose.map(|pose| pose.keyframe)) {
         log.relocalisations += 1;
         let submap = view.world.map.submap_of(keyframe);
         emit(Event::Relocalised { frame: info.index, keyframe, submap });
@@ -157,9 +152,4 @@ fn status_of(tracked: &Tracked) -> FrameStatus {
         TrackState::Started | TrackState::Tracked => FrameStatus::Tracked { inliers: tracked.stats.inliers },
         TrackState::Lost(reason) => FrameStatus::Lost(reason),
     }
-}
-
-/// A keyframe's own pose relative to itself.
-pub(crate) fn on_keyframe(keyframe: KeyframeId) -> RelativePose {
-    RelativePose { keyframe, cam_from_keyframe: SE3::identity(), scale: 1.0 }
 }

@@ -30,6 +30,6 @@ pub use params::{LoopParams, MappingParams, Params, TrackingParams};
 pub use places::Places;
 pub use probe::{NoProbe, Probe, Stage, staged};
 pub use tracker::{
-    InitialPair, KeyframeReason, KeyframeRequest, NoPair, TrackState, TrackStats, Tracked, Tracker,
+    InitialPair, KeyframeReason, KeyframeRequest, NoPair, Placement, TrackState, TrackStats, Tracked, Tracker,
 };
 pub use world::World;

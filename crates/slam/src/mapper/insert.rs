@@ -7,26 +7,20 @@ use geometry::{SE3, Vec3};
 use map::{Batch, KeyframeId, NewKeyframe, NewPoint, Observation, Parent, PointId};
 
 use super::Mapper;
-use crate::tracker::{InitialPair, KeyframeRequest};
+use crate::tracker::{InitialPair, KeyframeRequest, Placement};
 
 impl Mapper {
     pub(super) fn insert_keyframe(&mut self, request: &KeyframeRequest) -> Option<KeyframeId> {
         if let Some(pair) = &request.pair {
             return self.insert_pair(pair, request);
         }
-        let cam_from_world = match request.reference {
-            None => request.cam_from_reference,
-            Some(reference) => {
-                let (alive, reference_from_alive) = self.world.map.resolve_keyframe(reference)?;
-                let alive_from_world = self.world.map.keyframe(alive)?.cam_from_world;
-                let mut cam_from_reference = request.cam_from_reference;
-                cam_from_reference.translation *=
-                    self.world.map.scale_of(reference) / request.reference_scale;
-                (cam_from_reference * reference_from_alive * alive_from_world).normalized()
+        let (cam_from_world, parent) = match &request.placement {
+            Placement::NewSubmap { cam_from_world } => (*cam_from_world, Parent::NewSubmap),
+            Placement::Near(pose) => {
+                (pose.cam_from_world(&self.world.map)?.normalized(), Parent::Closest)
             }
         };
-        let parent = if request.reference.is_none() { Parent::NewSubmap } else { Parent::Closest };
-        let matches = self.living_matches(&request.matches);
+        let matches = self.world.map.resolve_matches(&request.matches);
         let keyframe = self.world.map.next_keyframe_id();
         let points = depth_points(
             &request.frame,
@@ -74,20 +68,6 @@ impl Mapper {
         let inserted = self.world.map.insert(Batch { keyframe: child, points }).ok()?;
         self.young.extend(inserted.points);
         inserted.keyframe
-    }
-
-    /// Matches whose points still exist, under their present ids; each point once.
-    fn living_matches(&self, matches: &[(u32, PointId)]) -> Vec<(u32, PointId)> {
-        let mut used = Vec::with_capacity(matches.len());
-        let mut living = Vec::with_capacity(matches.len());
-        for &(feature, id) in matches {
-            let Some(id) = self.world.map.resolve(id) else { continue };
-            if let Err(at) = used.binary_search(&id) {
-                used.insert(at, id);
-                living.push((feature, id));
-            }
-        }
-        living
     }
 }
 

@@ -4,31 +4,20 @@ use std::sync::Arc;
 
 use features::Frame;
 use geometry::SE3;
-use map::{KeyframeId, Map, PointId};
+use map::{Map, PointId, RelativePose};
 
 /// A tracked frame with its matches.
 #[derive(Clone, Debug)]
 pub(crate) struct LastFrame {
     pub(crate) frame: Arc<Frame>,
-    /// The keyframe that the pose refers to.
-    pub(crate) reference: KeyframeId,
-    pub(crate) cam_from_reference: SE3,
-    /// [`Map::scale_of`] the reference for which `cam_from_reference` holds.
-    scale: f64,
+    pub(crate) pose: RelativePose,
     /// Matches of features with map points, sorted by feature.
     pub(crate) matches: Vec<(u32, PointId)>,
 }
 
 impl LastFrame {
-    pub(crate) fn new(
-        frame: Arc<Frame>,
-        map: &Map,
-        reference: KeyframeId,
-        cam_from_reference: SE3,
-        matches: &[(u32, PointId)],
-    ) -> Self {
-        let scale = map.scale_of(reference);
-        LastFrame { frame, reference, cam_from_reference, scale, matches: matches.to_vec() }
+    pub(crate) fn new(frame: Arc<Frame>, pose: RelativePose, matches: &[(u32, PointId)]) -> Self {
+        LastFrame { frame, pose, matches: matches.to_vec() }
     }
 
     /// The newest keyframe, if it is this frame.
@@ -38,9 +27,7 @@ impl LastFrame {
         let shown = keyframe.points().iter().zip(0..);
         Some(LastFrame {
             frame: keyframe.frame.clone(),
-            reference: keyframe.id,
-            cam_from_reference: SE3::identity(),
-            scale: map.scale_of(keyframe.id),
+            pose: RelativePose::new(map, keyframe.id, SE3::identity()),
             matches: shown.filter_map(|(point, feature)| Some((feature, (*point)?))).collect(),
         })
     }
@@ -52,13 +39,7 @@ impl LastFrame {
 
     /// Pose in the world of `map`.
     pub(crate) fn cam_from_world(&self, map: &Map) -> SE3 {
-        match map.resolve_keyframe(self.reference) {
-            Some((alive, removed_from_alive)) => {
-                let alive_from_world = map.keyframe(alive).map_or(SE3::identity(), |kf| kf.cam_from_world);
-                self.cam_from_reference * removed_from_alive * alive_from_world
-            }
-            None => self.cam_from_reference,
-        }
+        self.pose.cam_from_world(map).unwrap_or(self.pose.cam_from_keyframe)
     }
 
     /// Follows what happened in the map since: removed keyframes, merged and removed points, and the frame itself
@@ -67,16 +48,7 @@ impl LastFrame {
         if let Some(keyframe) = LastFrame::of_newest_keyframe(map, &self.frame) {
             return keyframe;
         }
-        let scale = map.scale_of(self.reference);
-        self.cam_from_reference.translation *= scale / self.scale;
-        self.scale = scale;
-        if let Some((alive, removed_from_alive)) = map.resolve_keyframe(self.reference)
-            && alive != self.reference
-        {
-            self.reference = alive;
-            self.cam_from_reference = self.cam_from_reference * removed_from_alive;
-            self.scale = map.scale_of(alive);
-        }
+        self.pose = self.pose.on_living(map);
         self.matches = self
             .matches
             .iter()

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use features::Frame;
 use geometry::SE3;
-use map::{KeyframeId, Map, PointCount, PointId};
+use map::{KeyframeId, Map, PointCount, PointId, RelativePose};
 
 use crate::lost::{Lost, NotReady};
 use crate::params::Params;
@@ -61,17 +61,25 @@ pub struct TrackStats {
     pub relocalised: bool,
 }
 
-/// A request to insert a keyframe; poses are relative, so that a map that changed meanwhile moves them along.
+/// Where a new keyframe belongs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Placement {
+    /// It is the first one of a sub-map.
+    NewSubmap {
+        /// Its pose in the coordinates of the sub-map.
+        cam_from_world: SE3,
+    },
+    /// It belongs to the sub-map of another keyframe; a map that changed meanwhile moves it along.
+    Near(RelativePose),
+}
+
+/// A request to insert a keyframe.
 #[derive(Clone, Debug)]
 pub struct KeyframeRequest {
     /// The frame to insert.
     pub frame: Arc<Frame>,
-    /// The keyframe that its pose refers to; `None` for the first keyframe of a sub-map.
-    pub reference: Option<KeyframeId>,
-    /// Pose relative to the reference (to the world for the first keyframe of a sub-map).
-    pub cam_from_reference: SE3,
-    /// [`Map::scale_of`] the reference when the pose was found.
-    pub reference_scale: f64,
+    /// Where.
+    pub placement: Placement,
     /// Matches of features with map points, sorted by feature.
     pub matches: Vec<(u32, PointId)>,
     /// Why.
@@ -85,10 +93,8 @@ pub struct KeyframeRequest {
 pub struct Tracked {
     /// What became of the frame.
     pub state: TrackState,
-    /// The keyframe that the pose refers to (`None` without a map, or while the first keyframe is being made).
-    pub reference: Option<KeyframeId>,
-    /// Pose relative to the reference keyframe; of a lost frame the last one known.
-    pub cam_from_reference: SE3,
+    /// The pose, of a lost frame the last one known; `None` without a map, or while the first keyframe is being made.
+    pub pose: Option<RelativePose>,
     /// Which points should have been seen and which were found, for the map's statistics.
     pub counts: Vec<PointCount>,
     /// A keyframe to insert, if one is due.
@@ -173,30 +179,22 @@ impl Tracker {
             let seconds = last.seconds_to(frame);
             Velocity::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
         });
+        let pose = RelativePose::new(map, local.reference, local.cam_from_reference);
         let keyframe = staged(probe, Stage::Decide, || self.decide_keyframe(frame, map, &local, mapper_idle))
             .map(|reason| {
                 self.last_keyframe_index = frame.index;
                 KeyframeRequest {
                     frame: frame.clone(),
-                    reference: Some(local.reference),
-                    cam_from_reference: local.cam_from_reference,
-                    reference_scale: map.scale_of(local.reference),
+                    placement: Placement::Near(pose),
                     matches: local.matches.clone(),
                     reason,
                     pair: None,
                 }
             });
-        self.last = Some(LastFrame::new(
-            frame.clone(),
-            map,
-            local.reference,
-            local.cam_from_reference,
-            &local.matches,
-        ));
+        self.last = Some(LastFrame::new(frame.clone(), pose, &local.matches));
         Tracked {
             state: TrackState::Tracked,
-            reference: Some(local.reference),
-            cam_from_reference: local.cam_from_reference,
+            pose: Some(pose),
             counts: local.counts,
             keyframe,
             stats,
@@ -224,7 +222,7 @@ impl Tracker {
                 match staged(probe, Stage::Predict, || self.predict(attempt, frame, world, last)) {
                     Err(lost) => lost,
                     Ok(predicted) => {
-                        let fallback = last.map_or(KeyframeId(0), |last| last.reference);
+                        let fallback = last.map_or(KeyframeId(0), |last| last.pose.keyframe);
                         let local =
                             staged(probe, Stage::LocalMap, || {
                                 LocalMap::gather(map, &predicted.matches, fallback, &self.params.tracking)
@@ -266,9 +264,9 @@ impl Tracker {
         self.starting = Some(frame.clone());
         let request = KeyframeRequest {
             frame: frame.clone(),
-            reference: None,
-            cam_from_reference: pair.as_ref().map_or(cam_from_world, |pair| pair.second_from_world),
-            reference_scale: 1.0,
+            placement: Placement::NewSubmap {
+                cam_from_world: pair.as_ref().map_or(cam_from_world, |pair| pair.second_from_world),
+            },
             matches: Vec::new(),
             reason: KeyframeReason::First,
             pair,
@@ -300,8 +298,7 @@ impl Tracker {
 fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
     Tracked {
         state,
-        reference: last.map(|last| last.reference),
-        cam_from_reference: last.map_or(SE3::identity(), |last| last.cam_from_reference),
+        pose: last.map(|last| last.pose),
         counts: Vec::new(),
         keyframe: None,
         stats: TrackStats::default(),

@@ -29,7 +29,7 @@ pub(super) fn recover(
     let tracking = &params.tracking;
     let mut most_matches = 0;
     let mut most_inliers = None;
-    for keyframe in candidates(map, last.reference) {
+    for keyframe in candidates(map, last.pose.keyframe) {
         let matches = match_keyframe(frame, map, keyframe);
         most_matches = most_matches.max(matches.len());
         if matches.len() < tracking.min_reference_matches {

@@ -171,8 +171,6 @@ impl Pair {
         if tracked.state == TrackState::Started {
             return Some(SE3::identity());
         }
-        let (alive, reference_from_alive) = self.mapper.world().map.resolve_keyframe(tracked.reference?)?;
-        let alive_from_world = self.mapper.world().map.keyframe(alive)?.cam_from_world;
-        Some((tracked.cam_from_reference * reference_from_alive * alive_from_world).inverse())
+        Some(tracked.pose?.cam_from_world(&self.mapper.world().map)?.inverse())
     }
 }
