@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::random_mutations::random_map;
 use super::world::*;
-use crate::{Correction, KeyframeCorrection, KeyframeId, Map, MapError};
+use crate::{Correction, KeyframeCorrection, KeyframeId, Map, MapError, RelativePose};
 
 const K: fn(u32) -> KeyframeId = KeyframeId;
 
@@ -207,4 +207,23 @@ proptest! {
             prop_assert!((expected - new.position).norm() < 1e-9 * (1.0 + expected.norm()));
         }
     }
+}
+
+#[test]
+fn a_relative_pose_follows_its_keyframe_through_removal_and_similarity() {
+    let mut map = row_of_keyframes(6);
+    let cam_from_keyframe = random_pose(&mut generator(3));
+    let pose = RelativePose::new(&map, K(3), cam_from_keyframe);
+    let before = pose.cam_from_world(&map).unwrap();
+    assert_eq!(before, cam_from_keyframe * pose_of(&map, K(3)));
+    map.remove_keyframe(K(3)).unwrap();
+    assert!(gap(&pose.cam_from_world(&map).unwrap(), &before) < 1e-12, "removal moves nothing");
+    let similarity = Similarity::of(4, 1.7);
+    map.apply_correction(&similarity.correction(&map)).unwrap();
+    let moved = similarity.pose(&before);
+    assert!(gap(&pose.cam_from_world(&map).unwrap(), &moved) < 1e-9);
+    let living = pose.on_living(&map);
+    assert!(living.keyframe != K(3) && map.keyframe(living.keyframe).is_some());
+    assert!(gap(&living.cam_from_world(&map).unwrap(), &moved) < 1e-9);
+    assert_eq!(RelativePose::new(&map, K(99), cam_from_keyframe).cam_from_world(&map), None);
 }

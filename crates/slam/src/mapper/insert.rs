@@ -16,9 +16,7 @@ impl Mapper {
         }
         let (cam_from_world, parent) = match &request.placement {
             Placement::NewSubmap { cam_from_world } => (*cam_from_world, Parent::NewSubmap),
-            Placement::Near(pose) => {
-                (pose.cam_from_world(&self.world.map)?.normalized(), Parent::Closest)
-            }
+            Placement::Near(pose) => (pose.cam_from_world(&self.world.map)?.normalized(), Parent::Closest),
         };
         let matches = self.world.map.resolve_matches(&request.matches);
         let keyframe = self.world.map.next_keyframe_id();

@@ -192,13 +192,7 @@ impl Tracker {
                 }
             });
         self.last = Some(LastFrame::new(frame.clone(), pose, &local.matches));
-        Tracked {
-            state: TrackState::Tracked,
-            pose: Some(pose),
-            counts: local.counts,
-            keyframe,
-            stats,
-        }
+        Tracked { state: TrackState::Tracked, pose: Some(pose), counts: local.counts, keyframe, stats }
     }
 
     /// Tries the ways of prediction in turn, each confirmed by the local map. The reason of the attempt that came
