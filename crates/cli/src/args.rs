@@ -6,7 +6,11 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use synth::Preset;
 
+use crate::config::CheckArgs;
+use crate::console::Voice;
+use crate::export::ExportArgs;
 use crate::help;
+use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
 
 /// Visual SLAM: images in, trajectory and map out.
 ///
@@ -17,6 +21,9 @@ pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub(crate) command: Command,
+    /// How much is said.
+    #[command(flatten)]
+    pub(crate) voice: Voice,
 }
 
 /// The commands.
@@ -33,12 +40,24 @@ pub(crate) enum Command {
     Synth(SynthArgs),
     /// Evaluates trajectories against ground truth, as tables and plots.
     Eval(eval::command::EvalCommand),
-    /// Prints the default configuration, or checks a configuration file.
+    /// Prints the default configuration, or checks and explains one.
     #[command(after_help = help::config())]
     Config(ConfigArgs),
     /// Trains a vocabulary of place recognition, describes one, converts between file formats.
     #[command(after_help = help::vocab())]
     Vocab(VocabArgs),
+    /// Writes a map for other programs: points, models for COLMAP and nerfstudio, trajectories of the keyframes.
+    #[command(after_help = help::export())]
+    Export(ExportArgs),
+    /// Draws the key-points of an image.
+    #[command(after_help = help::features())]
+    Features(FeaturesArgs),
+    /// Draws the matches of two images, sorted by whether one motion explains them.
+    #[command(after_help = help::matching())]
+    Match(MatchArgs),
+    /// Draws the disparities of a stereo frame.
+    #[command(after_help = help::stereo())]
+    Stereo(StereoArgs),
 }
 
 /// Arguments of `dsslam run`.
@@ -193,11 +212,8 @@ pub(crate) struct ConfigArgs {
 pub(crate) enum ConfigAction {
     /// Prints the complete default configuration as YAML.
     Default,
-    /// Checks a configuration file and prints the complete configuration that it gives.
-    Check {
-        /// The file to check.
-        file: PathBuf,
-    },
+    /// Checks a configuration and explains every value in force: where it comes from, what it means, what it may be.
+    Check(CheckArgs),
 }
 
 /// Arguments of `dsslam vocab`.

@@ -1,21 +1,109 @@
-//! `dsslam config`: the default configuration, and the check of a file.
+//! `dsslam config`: the default configuration, and the explanation of one.
 
-use io::Config;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use clap::Args;
+use io::{Config, Explained, Provenance};
 
 use crate::args::ConfigAction;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 
-/// Prints the complete configuration that the defaults, or a file, give.
+/// Arguments of `dsslam config check`.
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// The file to check; without it the defaults.
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Overrides one key, as `dsslam run` does; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// A sequence, whose calibration wins over the file's camera.
+    #[arg(long, value_name = "SEQUENCE")]
+    sequence: Option<PathBuf>,
+    /// Shows only what is no default.
+    #[arg(long)]
+    changed: bool,
+    /// Prints the complete configuration as YAML instead, as `dsslam run` writes it into its results.
+    #[arg(long, conflicts_with = "changed")]
+    yaml: bool,
+}
+
+/// Prints the default configuration, or explains one.
 ///
 /// # Errors
 /// Everything that is wrong with the file, at once.
 pub(crate) fn run(action: &ConfigAction) -> Result<Exit, Failure> {
-    let file = match action {
-        ConfigAction::Default => None,
-        ConfigAction::Check { file } => Some(file.as_path()),
-    };
-    let config = Config::load(file, &[]).or_input()?;
-    console::say(config.to_yaml().trim_end());
+    match action {
+        ConfigAction::Default => {
+            let config = Config::load(None, &[]).or_input()?;
+            console::say(config.to_yaml().trim_end());
+        }
+        ConfigAction::Check(args) => {
+            let (config, notices) = load(args).or_input()?;
+            notices.iter().for_each(|notice| console::note(console::warning(notice)));
+            let text = if args.yaml { config.to_yaml() } else { explanation(args, &config) };
+            console::say(text.trim_end());
+        }
+    }
     Ok(Exit::Done)
+}
+
+/// The configuration in force, with a notice for each value that the sequence replaces.
+fn load(args: &CheckArgs) -> Result<(Config, Vec<String>)> {
+    let mut config = Config::load(args.file.as_deref(), &args.overrides)?;
+    let mut notices = Vec::new();
+    if let Some(dir) = &args.sequence {
+        let sequence = io::open_sequence(dir, config.input.sensor)?;
+        notices.extend(sequence.warnings);
+        notices.extend(sequence.calibration.iter().flat_map(|found| config.apply_calibration(found)));
+    }
+    Ok((config, notices))
+}
+
+/// Every key with its value, its origin and its meaning.
+fn explanation(args: &CheckArgs, config: &Config) -> String {
+    let all = config.explain();
+    let mut text = headline(args.file.as_deref(), &all);
+    let shown = all.iter().filter(|key| !args.changed || *key.place != Provenance::Default);
+    let values: Vec<(String, &Explained<'_>)> = shown.map(|key| (value(key), key)).collect();
+    let width = values.iter().map(|(value, _)| value.chars().count()).max().unwrap_or(0);
+    let mut section = None;
+    for (value, key) in values {
+        if section != Some(key.entry.section()) {
+            section = Some(key.entry.section());
+            text.push('\n');
+        }
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{value:<width$}   {}", key.place);
+        let _ = writeln!(text, "    {}; {}", key.entry.help, key.entry.expectation());
+    }
+    text
+}
+
+/// `key = value unit`.
+fn value(key: &Explained<'_>) -> String {
+    let Explained { entry, value, .. } = key;
+    match value {
+        Some(value) if entry.unit.is_empty() => format!("{} = {value}", entry.key),
+        Some(value) => format!("{} = {value} {}", entry.key, entry.unit),
+        None => format!("{} absent", entry.key),
+    }
+}
+
+/// How many values come from where.
+fn headline(file: Option<&Path>, all: &[Explained<'_>]) -> String {
+    let count = |is: fn(&Provenance) -> bool| all.iter().filter(|key| is(key.place)).count();
+    let n_file = count(|place| matches!(place, Provenance::File { .. }));
+    let n_set = count(|place| matches!(place, Provenance::Override(_)));
+    let n_dataset = count(|place| matches!(place, Provenance::Calibration(_)));
+    let n_default = count(|place| *place == Provenance::Default);
+    let name = file.map_or("the defaults".to_owned(), |file| file.display().to_string());
+    format!(
+        "{name}: no problem found. {} keys: {n_file} from the file, {n_set} from --set, {n_dataset} from the sequence, \
+         {n_default} defaults\n",
+        all.len()
+    )
 }

@@ -62,7 +62,8 @@ pub(crate) fn config() -> String {
         "\
 Examples:
   dsslam config default > my.yaml
-  dsslam config check my.yaml",
+  dsslam config check my.yaml
+  dsslam config check my.yaml --sequence kitti/sequences/06 --changed",
     )
 }
 
@@ -74,6 +75,48 @@ Examples:
   dsslam vocab info                                       the vocabulary that is part of the program
   dsslam vocab train images/ more/*.png -o my.dbow
   dsslam vocab convert ORBvoc.txt orbvoc.dbow",
+    )
+}
+
+/// Below `dsslam export --help`.
+pub(crate) fn export() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam run kitti/sequences/06 --save-map street.dsmap
+  dsslam export street.dsmap --to ply -o street.ply
+  dsslam export street.dsmap --to colmap --images kitti/sequences/06 -o colmap
+  dsslam export street.dsmap --to tum -o keyframes.txt",
+    )
+}
+
+/// Below `dsslam features --help`.
+pub(crate) fn features() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam features kitti/sequences/06/image_0/000000.png -o features.png
+  dsslam features kitti/sequences/06 --frame 10 --set features.keep=500 -o features.png",
+    )
+}
+
+/// Below `dsslam match --help`.
+pub(crate) fn matching() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam match kitti/sequences/06/image_0/000000.png kitti/sequences/06/image_0/000002.png -o matches.png
+  dsslam match kitti/sequences/06 --frames 0 3 --guided -o matches.png",
+    )
+}
+
+/// Below `dsslam stereo --help`.
+pub(crate) fn stereo() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam stereo kitti/sequences/06 -o disparities.png
+  dsslam stereo kitti/sequences/06 --frame 10 --config configs/kitti.yaml -o disparities.png",
     )
 }
 

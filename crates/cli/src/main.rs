@@ -9,6 +9,8 @@ mod console;
 mod demo;
 mod evaluation;
 mod exit;
+mod export;
+mod files;
 mod help;
 mod job;
 mod places;
@@ -18,9 +20,11 @@ mod report;
 mod results;
 mod run;
 mod setup;
+mod stage;
 mod stop;
 mod summary;
 mod tables;
+mod telling;
 mod trajectories;
 mod vocab;
 
@@ -32,7 +36,9 @@ use args::{Cli, Command};
 use exit::{Exit, Failure, OrExit};
 
 fn main() -> ExitCode {
-    let exit = dispatch(Cli::parse().command).unwrap_or_else(|failure| {
+    let Cli { command, voice } = Cli::parse();
+    console::set_voice(voice);
+    let exit = dispatch(command).unwrap_or_else(|failure| {
         console::note(console::error(failure.to_string()));
         failure.exit
     });
@@ -47,5 +53,9 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Eval(command) => command.run().or_input().map(|()| Exit::Done),
         Command::Config(args) => config::run(&args.action),
         Command::Vocab(args) => vocab::run(&args.action),
+        Command::Export(args) => export::run(&args),
+        Command::Features(args) => args.run(),
+        Command::Match(args) => args.run(),
+        Command::Stereo(args) => args.run(),
     }
 }

@@ -12,6 +12,7 @@ use runtime::{Journal, Schedule, Setup};
 
 use crate::args::{RunArgs, ScheduleArg};
 use crate::exit::{Failure, OrExit};
+use crate::files::folder_of;
 
 /// What a run writes beside its results folder.
 #[derive(Clone, Debug, Default)]
@@ -94,9 +95,4 @@ pub(crate) fn save_map(file: &Path, map: &Map, info: &MapFileInfo) -> Result<Vec
     let bytes = map::file::encode(map, info);
     io::write_durable(file, &bytes)?;
     Ok(bytes)
-}
-
-/// The folder that a file is in.
-fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -2,7 +2,6 @@
 
 use std::sync::atomic::Ordering;
 
-use indicatif::{ProgressBar, ProgressDrawTarget};
 use synth::{Continue, World, WriteOptions, write_kitti};
 
 use crate::args::{SynthArgs, WorldArgs};
@@ -19,7 +18,7 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Exit, Failure> {
     io::create_output_folder(&args.out).or_output()?;
     let world = world(&args.world);
     let n_frames = n_frames(&args.world, &world);
-    let bar = ProgressBar::with_draw_target(Some(n_frames as u64), ProgressDrawTarget::stderr());
+    let bar = console::bar(Some(n_frames as u64), "{bar:24} {pos}/{len} frames");
     let options = WriteOptions { max_frames: Some(n_frames), masks: args.masks, depth: args.depth };
     let mut progress = |progress: synth::Progress| {
         bar.set_position(progress.done as u64);

@@ -79,7 +79,8 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
     })
 }
 
-fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
+/// How features are extracted.
+pub(crate) fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
     let FeatureSettings { keep, levels, scale_factor, fast_initial, fast_minimum, subpixel } = *settings;
     ExtractorConfig { keep, levels, scale_factor: scale_factor as f32, fast_initial, fast_minimum, subpixel }
 }

@@ -1,17 +1,18 @@
 //! `dsslam vocab`: trains a vocabulary from images, describes one, converts between the two file formats.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::anyhow;
 use bow::tool::{self, Format, Info};
 use bow::{TrainOptions, Vocabulary, VocabularyError};
 use features::{Descriptor, ExtractorConfig};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use sha2::{Digest, Sha256};
 
 use crate::args::{VocabAction, VocabTrainArgs};
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::files::folder_of;
 
 /// Trains, describes or converts.
 ///
@@ -49,7 +50,7 @@ fn train(args: &VocabTrainArgs) -> Result<Exit, Failure> {
         return Err(anyhow!("{}: no images, expected .png, .jpg or .jpeg files", places.join(", ")))
             .or_input();
     }
-    let bar = bar(images.len());
+    let bar = console::bar(Some(images.len() as u64), "{bar:24} {pos}/{len} images  {msg}");
     let descriptors = describe_images(&images, args.keep as usize, &bar)?;
     bar.set_message("building the tree");
     let options = TrainOptions {
@@ -81,14 +82,6 @@ fn describe_images(
     .or_input()
 }
 
-/// A bar on standard error, hidden when that is not a terminal.
-fn bar(n_images: usize) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(n_images as u64), ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template("{bar:24} {pos}/{len} images  {msg}");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
-    bar
-}
-
 /// Prints what there is to know about a vocabulary.
 fn describe(origin: &str, format: Format, vocabulary: &Vocabulary) {
     let sha256: String = Sha256::digest(vocabulary.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
@@ -96,11 +89,6 @@ fn describe(origin: &str, format: Format, vocabulary: &Vocabulary) {
     console::say(format!("format       {format}"));
     console::say(Info::of(vocabulary).to_string());
     console::say(format!("SHA-256      {sha256} (in DSSLAM's format)"));
-}
-
-/// The folder that a file is in.
-fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// An unwritable file is a fault of the output, everything else of the input.

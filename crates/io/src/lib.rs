@@ -10,8 +10,8 @@ mod images;
 mod trajectory;
 
 pub use config::{
-    CameraError, CameraSettings, Config, ConfigErrors, FeatureSettings, InputSettings, LoopSettings,
-    MappingSettings, Problem, Provenance, RuntimeSettings, StereoSettings, TrackingSettings,
+    CameraError, CameraSettings, Config, ConfigErrors, Explained, FeatureSettings, InputSettings,
+    LoopSettings, MappingSettings, Problem, Provenance, RuntimeSettings, StereoSettings, TrackingSettings,
     schema::{Entry, Kind, Literal, Range},
     table::SCHEMA,
 };
@@ -21,10 +21,10 @@ pub use dataset::{
 };
 pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use images::{
-    ImageError, ImageSize, LoadedFrame, Rgb, image_size, load_depth, load_frame, load_gray, save_png_depth,
-    save_png_gray, save_png_rgb,
+    ImageError, ImageSize, LoadedFrame, Rgb, image_size, load_depth, load_frame, load_gray, load_rgb,
+    save_png_depth, save_png_gray, save_png_rgb,
 };
 pub use trajectory::{
     StampedPose, Trajectory, TrajectoryFormat, read_euroc, read_kitti_poses, read_trajectory, read_tum,
-    write_kitti, write_tum,
+    write_euroc, write_kitti, write_tum,
 };

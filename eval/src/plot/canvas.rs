@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result, ensure};
+use draw::FONT;
 use image::RgbImage;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -17,8 +18,6 @@ use plotters::style::{FontStyle, register_font};
 const UNIT: u32 = 4;
 /// Drawn pixels averaged into one of the PNG, per side.
 const SHRINK: u32 = 2;
-/// DejaVu Sans, so that figures look alike on every machine (licence beside the file).
-static FONT: &[u8] = include_bytes!("../../assets/DejaVuSans.ttf");
 
 /// Ground truth, axes and text.
 pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);

@@ -9,18 +9,23 @@ use crate::root;
 /// Each crate with the workspace crates that it may depend on. Dependencies go down the list, never up or sideways.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/geometry", &[]),
+    ("crates/draw", &["geometry"]),
     ("crates/features", &["geometry"]),
     ("crates/optim", &["geometry"]),
     ("crates/io", &["geometry"]),
     ("crates/bow", &["geometry", "features"]),
     ("crates/map", &["geometry", "features"]),
+    ("crates/export", &["geometry", "features", "io", "map", "draw"]),
     ("crates/slam", &["geometry", "features", "bow", "optim", "map"]),
     ("crates/runtime", &["geometry", "features", "bow", "map", "slam", "io"]),
     ("crates/synth", &["geometry", "io"]),
-    ("eval", &["geometry", "io"]),
+    ("eval", &["geometry", "io", "draw"]),
     (
         "crates/cli",
-        &["geometry", "features", "optim", "map", "slam", "runtime", "io", "bow", "synth", "eval"],
+        &[
+            "geometry", "features", "optim", "map", "slam", "runtime", "io", "bow", "synth", "eval", "draw",
+            "export",
+        ],
     ),
     ("crates/cv", &["geometry"]),
     ("tests", &[]),
@@ -30,6 +35,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
 const HEAVY: &[(&str, &str)] = &[
     ("opencv", "crates/cv"),
     ("plotters", "eval"),
+    ("ab_glyph", "crates/draw"),
     ("crossbeam", "crates/runtime"),
     ("faer", "crates/optim"),
     ("clarabel", "crates/optim"),

@@ -2,44 +2,31 @@
 
 use std::fmt::Write as _;
 
-use serde_json::Value as Json;
-
 use super::Config;
+use super::explain::Explained;
 use super::problem::Provenance;
 use super::schema::Entry;
-use super::table::SCHEMA;
 
 impl Config {
     /// All keys with the values in force, each with its meaning, unit and origin as a comment; keys that are absent
     /// stand there as comments.
     pub fn to_yaml(&self) -> String {
-        let tree = serde_json::to_value(self).unwrap_or(Json::Null);
         let mut text = String::from("# Complete configuration, as in force.\n");
         let mut section = "";
-        for entry in SCHEMA {
+        for Explained { entry, value, place } in self.explain() {
             // Writing to a string cannot fail.
             if entry.section() != section {
                 section = entry.section();
                 let _ = if section.is_empty() { writeln!(text) } else { writeln!(text, "\n{section}:") };
             }
-            let value = &tree.pointer(&format!("/{}", entry.key.replace('.', "/"))).unwrap_or(&Json::Null);
             let indent = if section.is_empty() { "" } else { "  " };
-            let comment = comment(entry, self.provenance(entry.key));
-            let _ = match scalar(value) {
+            let comment = comment(entry, place);
+            let _ = match value {
                 Some(value) => writeln!(text, "{indent}{}: {value}  # {comment}", entry.name()),
                 None => writeln!(text, "{indent}# {}:  # {comment}", entry.name()),
             };
         }
         text
-    }
-}
-
-/// A value as YAML writes it, `None` where there is none.
-fn scalar(value: &Json) -> Option<String> {
-    match value {
-        Json::Null => None,
-        Json::String(text) => Some(text.clone()),
-        other => Some(other.to_string()),
     }
 }
 

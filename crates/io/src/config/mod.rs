@@ -3,6 +3,7 @@
 
 mod camera;
 mod dump;
+mod explain;
 mod problem;
 mod resolve;
 mod rules;
@@ -18,6 +19,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 pub use camera::CameraError;
+pub use explain::Explained;
 pub use problem::{ConfigErrors, Problem, Provenance};
 pub use settings::{
     CameraSettings, FeatureSettings, InputSettings, LoopSettings, MappingSettings, RuntimeSettings,

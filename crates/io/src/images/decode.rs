@@ -9,6 +9,7 @@ use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageResult};
 
+use super::Rgb;
 use super::error::{ImageError, ImageSize};
 use super::gray::{first_channel, gray_from_colour};
 
@@ -23,6 +24,23 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, ImageError> {
         ColorType::La8 => first_channel(&decoded.bytes, 2),
         ColorType::Rgb8 => gray_from_colour(&decoded.bytes, 3),
         ColorType::Rgba8 => gray_from_colour(&decoded.bytes, 4),
+        other => return Err(unsupported(path, other, "8 bits per channel, grey or colour")),
+    };
+    raster(path, decoded.size, data)
+}
+
+/// Reads an image as 8-bit colour; grey gives three equal channels, alpha is left out.
+///
+/// # Errors
+/// [`ImageError`]; `UnsupportedDepth` for 16 bits a channel.
+pub fn load_rgb(path: &Path) -> Result<Rgb, ImageError> {
+    let decoded = decode(path)?;
+    let (bytes, n_channels) = (&decoded.bytes, usize::from(decoded.color.channel_count()));
+    let data = match decoded.color {
+        ColorType::L8 | ColorType::La8 => bytes.chunks_exact(n_channels).map(|pixel| [pixel[0]; 3]).collect(),
+        ColorType::Rgb8 | ColorType::Rgba8 => {
+            bytes.chunks_exact(n_channels).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
+        }
         other => return Err(unsupported(path, other, "8 bits per channel, grey or colour")),
     };
     raster(path, decoded.size, data)

@@ -11,7 +11,7 @@ use geometry::{DepthImage, GrayImage, Raster};
 
 use crate::dataset::FrameSource;
 
-pub use decode::{image_size, load_depth, load_gray};
+pub use decode::{image_size, load_depth, load_gray, load_rgb};
 pub use encode::{save_png_depth, save_png_gray, save_png_rgb};
 pub use error::{ImageError, ImageSize};
 

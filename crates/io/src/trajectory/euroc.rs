@@ -1,11 +1,12 @@
 //! EuRoC ground truth (`state_groundtruth_estimate0/data.csv`): nanoseconds, position, quaternion w x y z, more columns.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use geometry::{SE3, Vec3};
 
 use super::{StampedPose, Trajectory, check_increasing, rotation_from_quaternion};
-use crate::file::{FileError, Line, TextFile, counted};
+use crate::file::{FileError, Line, TextFile, counted, write_atomic};
 
 const EXPECTED: &str = "at least 8 numbers with commas (ns, px, py, pz, qw, qx, qy, qz)";
 const NANOSECONDS_PER_SECOND: f64 = 1e9;
@@ -45,4 +46,27 @@ fn parse_line(line: &Line<'_>) -> Result<StampedPose, FileError> {
         timestamp_s: nanoseconds as f64 / NANOSECONDS_PER_SECOND,
         world_from_cam: SE3::new(rotation, Vec3::new(px, py, pz)),
     })
+}
+
+/// Writes poses in the first eight columns of EuRoC's ground truth: times rounded to nanoseconds (times before 1970 count as 0), poses
+/// exact to 1e-9 when read back.
+///
+/// # Errors
+/// [`FileError::Unwritable`].
+pub fn write_euroc(path: &Path, trajectory: &Trajectory) -> Result<(), FileError> {
+    let mut text = String::from(
+        "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n",
+    );
+    for pose in &trajectory.poses {
+        let t = pose.world_from_cam.translation;
+        let q = pose.world_from_cam.rotation.to_quaternion();
+        let nanoseconds = (pose.timestamp_s * NANOSECONDS_PER_SECOND).round() as u64;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{nanoseconds},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12}",
+            t.x, t.y, t.z, q.w, q.i, q.j, q.k
+        );
+    }
+    write_atomic(path, text.as_bytes())
 }

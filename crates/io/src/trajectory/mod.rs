@@ -10,7 +10,7 @@ use geometry::SE3;
 
 use crate::file::{FileError, Line, TextFile, counted};
 
-pub use euroc::read_euroc;
+pub use euroc::{read_euroc, write_euroc};
 pub use kitti::{read_kitti_poses, write_kitti};
 pub use tum::{read_tum, write_tum};
 

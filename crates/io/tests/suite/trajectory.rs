@@ -2,8 +2,8 @@
 
 use geometry::{SE3, Vec6};
 use io::{
-    FileError, StampedPose, Trajectory, read_euroc, read_kitti_poses, read_trajectory, read_tum, write_kitti,
-    write_tum,
+    FileError, StampedPose, Trajectory, read_euroc, read_kitti_poses, read_trajectory, read_tum, write_euroc,
+    write_kitti, write_tum,
 };
 use proptest::prelude::*;
 
@@ -34,11 +34,14 @@ proptest! {
         let curve = curve(n, scale);
         write_kitti(&folder.file("k.txt"), &curve).unwrap();
         write_tum(&folder.file("t.txt"), &curve).unwrap();
+        write_euroc(&folder.file("e.csv"), &curve).unwrap();
         let kitti = read_trajectory(&folder.file("k.txt")).unwrap();
+        let euroc = read_trajectory(&folder.file("e.csv")).unwrap();
         let tum = read_trajectory(&folder.file("t.txt")).unwrap();
         prop_assert!(largest_difference(&kitti, &curve) < 1e-9);
         prop_assert!(largest_difference(&tum, &curve) < 1e-9);
-        for (read, written) in tum.poses.iter().zip(&curve.poses) {
+        prop_assert!(largest_difference(&euroc, &curve) < 1e-9);
+        for (read, written) in tum.poses.iter().chain(&euroc.poses).zip(curve.poses.iter().cycle()) {
             prop_assert!((read.timestamp_s - written.timestamp_s).abs() < 1e-6);
         }
     }
@@ -53,6 +56,20 @@ fn kitti_text() {
     let (one, zero) = ("1.000000000000e+00", "0.000000000000e+00");
     let row = [one, zero, zero, zero, zero, one, zero, zero, zero, zero, one, zero].join(" ");
     assert_eq!(text, row + "\n");
+}
+
+#[test]
+fn euroc_text() {
+    let folder = Folder::new();
+    let pose = StampedPose { timestamp_s: 1.25, world_from_cam: SE3::identity() };
+    write_euroc(&folder.file("e.csv"), &Trajectory { poses: vec![pose] }).unwrap();
+    let text = std::fs::read_to_string(folder.file("e.csv")).unwrap();
+    let zero = "0.000000000000";
+    let row = format!("1250000000,{zero},{zero},{zero},1.000000000000,{zero},{zero},{zero}");
+    assert!(
+        text.starts_with("#timestamp [ns], p_RS_R_x [m]") && text.ends_with(&format!("\n{row}\n")),
+        "{text}"
+    );
 }
 
 #[test]
