@@ -13,7 +13,18 @@ fn dsslam(args: &[&str]) -> (Option<i32>, String) {
 }
 
 /// Commands that run something: their help has examples and the exit codes.
-const COMMANDS: [&[&str]; 6] = [&[], &["run"], &["demo"], &["synth"], &["config"], &["vocab"]];
+const COMMANDS: [&[&str]; 10] = [
+    &[],
+    &["run"],
+    &["demo"],
+    &["synth"],
+    &["config"],
+    &["vocab"],
+    &["export"],
+    &["features"],
+    &["match"],
+    &["stereo"],
+];
 
 fn help(command: &[&str]) -> String {
     let (code, text) = dsslam(&[command, &["--help"]].concat());
