@@ -44,12 +44,15 @@ pub(crate) enum Command {
 /// Arguments of `dsslam run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Folder of the sequence, in KITTI's odometry or TUM's RGB-D layout.
+    /// Folder of the sequence: KITTI odometry, TUM RGB-D, EuRoC, or images with a calibration file.
     #[arg(value_name = "SEQUENCE")]
     pub(crate) sequence: PathBuf,
     /// Configuration file (YAML); what it leaves out has its default.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+    /// Calibration file of the cameras, for a folder of images: DSSLAM's YAML, EuRoC's sensor.yaml, BoofCV's XML.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calib: Option<PathBuf>,
     /// How to use the images; by default what the folder holds.
     #[arg(long, value_enum)]
     pub(crate) sensor: Option<SensorArg>,

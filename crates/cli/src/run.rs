@@ -27,6 +27,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let mut notices = sequence.warnings.clone();
     if let Some(calibration) = &sequence.calibration {
         notices.extend(config.apply_calibration(calibration));
+        let rate = sequence.frame_rate_hz;
+        notices.extend(rate.and_then(|rate| config.apply_frame_rate(rate, &calibration.source)));
     }
     let size = setup::image_size(&sequence, &config).or_input()?;
     let mut setup = setup::from_config(&config, sequence.sensor, size, &args.sequence).or_input()?;
@@ -71,6 +73,8 @@ fn open(args: &RunArgs, config: &Config) -> Result<Sequence, Failure> {
     let options = OpenOptions {
         sensor: args.sensor.map(io::Sensor::from).or(config.input.sensor),
         association_tolerance_s: config.input.association_tolerance_s,
+        calibration: args.calib.clone(),
+        frame_rate_hz: config.camera.fps,
     };
     open_sequence_with(&args.sequence, &options).or_input()
 }

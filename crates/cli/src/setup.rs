@@ -39,7 +39,7 @@ pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSi
 fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>> {
     let Some(raw) = &sequence.raw_calibration else { return Ok(None) };
     let Some(expected) = raw.cameras.first().map(|camera| camera.size) else { return Ok(None) };
-    let has_it = |frame: &FrameSource| io::image_size(&frame.left).is_ok_and(|size| size == expected);
+    let has_it = |frame: &FrameSource| frame.image_size().is_ok_and(|size| size == expected);
     if let Some(position) = sequence.frames.iter().position(has_it) {
         return Ok(Some((position, expected)));
     }

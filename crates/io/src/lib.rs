@@ -16,8 +16,8 @@ pub use config::{
     table::SCHEMA,
 };
 pub use dataset::{
-    Calibration, DatasetError, FrameSource, OpenOptions, RawCalibration, RawCamera, RectifiedView, Sensor,
-    Sequence, SequenceKind, open_sequence, open_sequence_with,
+    Calibration, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera, RectifiedView,
+    Sensor, Sequence, SequenceKind, open_sequence, open_sequence_with,
 };
 pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use images::{

@@ -80,6 +80,7 @@ mod tests {
             rectification: vec![view(0.0), view(turn)],
             ground_truth: None,
             body_from_left: SE3::identity(),
+            frame_rate_hz: None,
             warnings: Vec::new(),
         }
     }
@@ -91,6 +92,7 @@ mod tests {
             left: "a.png".into(),
             right: Some("b.png".into()),
             depth: None,
+            packing: io::Packing::Whole,
         }
     }
 

@@ -4,6 +4,7 @@ mod decode;
 mod encode;
 mod error;
 mod gray;
+mod halves;
 
 use std::path::Path;
 
@@ -14,6 +15,7 @@ use crate::dataset::FrameSource;
 pub use decode::{image_size, load_depth, load_gray};
 pub use encode::{save_png_depth, save_png_gray, save_png_rgb};
 pub use error::{ImageError, ImageSize};
+pub(crate) use halves::half_size;
 
 /// An 8-bit colour image, red first.
 pub type Rgb = Raster<[u8; 3]>;
@@ -54,10 +56,10 @@ impl LoadedFrame {
 /// # Errors
 /// The first [`ImageError`] met, in the order left, right, depth.
 pub fn load_frame(source: &FrameSource) -> Result<LoadedFrame, ImageError> {
-    let left = load_gray(&source.left)?;
+    let (left, packed_right) = halves::take(load_gray(&source.left)?, source)?;
     let expected = ImageSize { width: left.width, height: left.height };
     let because = format!("as {}", source.left.display());
-    let mut right = None;
+    let mut right = packed_right;
     if let Some(path) = &source.right {
         let image = load_gray(path)?;
         check_size(path, ImageSize { width: image.width, height: image.height }, expected, &because)?;
