@@ -58,7 +58,8 @@ pub(crate) fn synth() -> String {
         "\
 Examples:
   dsslam synth /tmp/town --preset town --frames 60
-  dsslam run /tmp/town",
+  dsslam run /tmp/town
+  dsslam synth /tmp/raw --layout euroc --lens fisheye --frames 100",
     )
 }
 

@@ -22,6 +22,8 @@ mod stop;
 mod summary;
 mod tables;
 mod trajectories;
+mod video;
+mod video_feed;
 mod vocab;
 
 use std::process::ExitCode;

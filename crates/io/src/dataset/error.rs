@@ -6,6 +6,7 @@ use geometry::RectificationError;
 
 use super::Sensor;
 use crate::file::FileError;
+use crate::images::ImageError;
 
 /// Why a dataset cannot be opened.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -113,6 +114,9 @@ pub enum DatasetError {
         /// Why.
         error: RectificationError,
     },
+    /// The images do not have the size that they should have.
+    #[error(transparent)]
+    Image(#[from] ImageError),
     /// A text file of the dataset is broken.
     #[error(transparent)]
     File(#[from] FileError),

@@ -12,6 +12,7 @@ mod kitti;
 mod numbered;
 mod raw;
 mod tum;
+mod video;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,7 @@ use crate::trajectory::Trajectory;
 
 pub use error::DatasetError;
 pub use raw::{RawCalibration, RawCamera, RectifiedView};
+pub use video::{Video, open_video};
 
 /// What the camera delivers per frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,6 +48,8 @@ pub enum SequenceKind {
     TumRgbd,
     /// EuRoC (ASL): `mav0/cam0`, `mav0/cam1`.
     Euroc,
+    /// A video or a camera.
+    Video,
     /// Images in the folder itself or in sub-folders for left and right, with a calibration file.
     Images,
 }
@@ -100,7 +104,7 @@ pub struct Sequence {
     pub kind: SequenceKind,
     /// What is taken from it.
     pub sensor: Sensor,
-    /// At least one frame, in order of time.
+    /// At least one frame, in order of time; none of a video or a camera, whose frames come from a stream.
     pub frames: Vec<FrameSource>,
     /// The camera, where the dataset has a calibration file.
     pub calibration: Option<Calibration>,

@@ -169,7 +169,7 @@ fn folders_that_cannot_be_used() {
     );
     assert_eq!(
         refused(&folder, Some(Sensor::Rgbd)),
-        "DIR: sensor rgbd is not possible here: folders of images hold no depth images"
+        "DIR: sensor rgbd is not possible here: images alone hold no depth"
     );
     folder.write("times.txt", "0\n1\n");
     assert_eq!(refused(&folder, None), "DIR/times.txt: found 2 times, expected 1 (one per image)");

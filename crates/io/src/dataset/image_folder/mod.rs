@@ -9,7 +9,7 @@ use super::cameras::Cameras;
 use super::kitti::read_times;
 use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
 use crate::file::{FileError, counted};
-use crate::images::image_size;
+use crate::images::{ImageSize, image_size};
 use crate::trajectory::read_tum;
 
 /// Names of the sub-folders for the left and the right camera.
@@ -48,7 +48,12 @@ pub(super) fn open(
             dir.display()
         ));
     }
-    let (sensor, packing) = choose(dir, &images, file.as_ref(), options.sensor, &mut warnings)?;
+    let pictures = Pictures {
+        place: dir,
+        size: images.left.iter().find_map(|path| image_size(path).ok()),
+        in_two_folders: images.right.is_some(),
+    };
+    let (sensor, packing) = choose(&pictures, file.as_ref(), options.sensor, &mut warnings)?;
     let rate = file.as_ref().and_then(|file| file.frame_rate_hz);
     let times_s = times(dir, images.left.len(), rate.unwrap_or(options.frame_rate_hz))?;
     let frames = match (&images.right, sensor) {
@@ -103,31 +108,44 @@ fn frame(index: usize, timestamp_s: f64, left: &Path, right: Option<&Path>, pack
     }
 }
 
-/// What is used of the images, and what a file holds.
-fn choose(
-    dir: &Path,
-    images: &Images,
+/// What there is to choose from.
+pub(super) struct Pictures<'a> {
+    /// A folder or a video.
+    pub(super) place: &'a Path,
+    /// Size of the first one that can be read.
+    pub(super) size: Option<ImageSize>,
+    /// Whether there are right images in a folder of their own.
+    pub(super) in_two_folders: bool,
+}
+
+/// What is used of the images, and what each of them holds.
+///
+/// # Errors
+/// [`DatasetError::SensorUnavailable`].
+pub(super) fn choose(
+    pictures: &Pictures<'_>,
     file: Option<&CameraFile>,
     wanted: Option<Sensor>,
     warnings: &mut Vec<String>,
 ) -> Result<(Sensor, Packing), DatasetError> {
+    let place = pictures.place;
     let unavailable =
-        |sensor, reason| Err(DatasetError::SensorUnavailable { path: dir.to_path_buf(), sensor, reason });
+        |sensor, reason| Err(DatasetError::SensorUnavailable { path: place.to_path_buf(), sensor, reason });
     if wanted == Some(Sensor::Rgbd) {
-        return unavailable(Sensor::Rgbd, "folders of images hold no depth images".to_string());
+        return unavailable(Sensor::Rgbd, "images alone hold no depth".to_string());
     }
     let one_camera = file.filter(|file| file.cameras.len() == 1);
     if let (Some(Sensor::Stereo), Some(file)) = (wanted, one_camera) {
         return unavailable(Sensor::Stereo, format!("{} describes one camera", file.source()));
     }
-    if images.right.is_some() {
+    if pictures.in_two_folders {
         if let (None, Some(file)) = (wanted, one_camera) {
             warnings.push(format!("{}: describes one camera, so the run is monocular", file.source()));
         }
         let stereo = one_camera.is_none() && wanted != Some(Sensor::Mono);
         return Ok((if stereo { Sensor::Stereo } else { Sensor::Mono }, Packing::Whole));
     }
-    let is_double = file.is_some_and(|file| holds_two(images, file));
+    let is_double = file.is_some_and(|file| holds_two(pictures.size, file));
     match (wanted, file) {
         (Some(Sensor::Mono), _) if is_double => Ok((Sensor::Mono, Packing::LeftHalf)),
         (None, Some(_)) if is_double => Ok((Sensor::Stereo, Packing::BothHalves)),
@@ -136,7 +154,7 @@ fn choose(
         (None, Some(file)) if file.cameras.len() == 2 => {
             warnings.push(format!(
                 "{}: found images of one camera where {} describes two, so the run is monocular",
-                images.folder.display(),
+                place.display(),
                 file.source()
             ));
             Ok((Sensor::Mono, Packing::Whole))
@@ -145,11 +163,10 @@ fn choose(
     }
 }
 
-/// Whether the first image that can be read is twice as wide as the left one of two cameras.
-fn holds_two(images: &Images, file: &CameraFile) -> bool {
+/// Whether images are twice as wide as the left one of two cameras.
+fn holds_two(size: Option<ImageSize>, file: &CameraFile) -> bool {
     let [left, _] = &file.cameras[..] else { return false };
-    let first = images.left.iter().find_map(|path| image_size(path).ok());
-    first.is_some_and(|size| size.width == 2 * left.size.width && size.height == left.size.height)
+    size.is_some_and(|size| size.width == 2 * left.size.width && size.height == left.size.height)
 }
 
 /// `times.txt` if it is there, a line per left image; otherwise images come at the frame rate.
