@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
-# Installs what is missing and builds the program: ./install.sh [--prefix DIR]
+# Installs what is missing and builds the program: ./install.sh [--prefix DIR] [--video]
 # May be run again at any time: what is there is kept. With --prefix the program is also copied to DIR/bin.
+# With --video also dsslam-video, which decodes videos and cameras for it and needs OpenCV (about 1.5 GB).
 set -euo pipefail
 cd "$(dirname "$0")"
 
-usage() { sed -n '2,3s/^# //p' "$0"; }
+usage() { sed -n '2,4s/^# //p' "$0"; }
 fail() { echo "install.sh: $*" >&2; exit 1; }
 
 prefix=
+video=
 while [ $# -gt 0 ]; do
   case $1 in
     --prefix) prefix=${2:?install.sh: --prefix wants a folder}; shift 2 ;;
     --prefix=*) prefix=${1#--prefix=}; shift ;;
+    --video) video=yes; shift ;;
     -h|--help) usage; exit 0 ;;
     *) usage >&2; fail "unknown argument: $1" ;;
   esac
@@ -51,5 +54,23 @@ if [ -n "$prefix" ]; then
   mkdir -p "$prefix/bin"
   install -m 755 "$program" "$prefix/bin/dsslam"
   program=$prefix/bin/dsslam
+fi
+if [ -n "$video" ]; then
+  echo "      dsslam-video"
+  missing=()
+  command -v g++ >/dev/null 2>&1 || missing+=(g++)
+  command -v pkg-config >/dev/null 2>&1 || missing+=(pkg-config)
+  command -v clang >/dev/null 2>&1 || missing+=(clang)
+  pkg-config --exists opencv4 2>/dev/null || missing+=(libopencv-dev)
+  if [ ${#missing[@]} -gt 0 ]; then
+    command -v apt-get >/dev/null 2>&1 || fail "no apt-get: install ${missing[*]} with your package manager and try again"
+    sudo=; [ "$(id -u)" = 0 ] || sudo=sudo
+    echo "      installing the packages ${missing[*]}"
+    $sudo apt-get update -qq
+    $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  fi
+  cargo build --release --locked -p cv --features video --bin dsslam-video
+  helper=${CARGO_TARGET_DIR:-target}/release/dsslam-video
+  [ -z "$prefix" ] || install -m 755 "$helper" "$prefix/bin/dsslam-video"
 fi
 echo "built: $program   (try: $program demo)"

@@ -27,7 +27,7 @@ step() {
 }
 
 step cargo fmt --all --check
-step cargo clippy --workspace --all-targets --locked -- -D warnings
-step cargo test --workspace --locked
+step cargo clippy --workspace --all-targets --features cv/video --locked -- -D warnings
+step cargo test --workspace --features cv/video --locked
 step env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 echo "== all passed in $((SECONDS - started)) s"

@@ -35,7 +35,7 @@ pub(crate) enum Command {
     /// Renders a street course, runs SLAM on it, prints the errors and draws the trajectory. Needs no data.
     #[command(after_help = help::demo())]
     Demo(DemoArgs),
-    /// Renders a street course with exact ground truth as a dataset in KITTI's layout.
+    /// Renders a street course with exact ground truth as a dataset in KITTI's or EuRoC's layout.
     #[command(after_help = help::synth())]
     Synth(SynthArgs),
     /// Evaluates trajectories against ground truth, as tables and plots.
@@ -63,12 +63,16 @@ pub(crate) enum Command {
 /// Arguments of `dsslam run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Folder of the sequence, in KITTI's odometry or TUM's RGB-D layout.
+    /// Folder of the sequence: KITTI odometry, TUM RGB-D, EuRoC, or images with a calibration file; or a video, or a camera such as
+    /// /dev/video0.
     #[arg(value_name = "SEQUENCE")]
     pub(crate) sequence: PathBuf,
     /// Configuration file (YAML); what it leaves out has its default.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+    /// Calibration file of the cameras, for images and videos: DSSLAM's YAML, EuRoC's sensor.yaml, BoofCV's XML.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calib: Option<PathBuf>,
     /// How to use the images; by default what the folder holds.
     #[arg(long, value_enum)]
     pub(crate) sensor: Option<SensorArg>,
@@ -81,9 +85,9 @@ pub(crate) struct RunArgs {
     /// Stops after this many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_frames: Option<u32>,
-    /// How the stages of the run share time.
-    #[arg(long, value_enum, default_value_t = ScheduleArg::Lockstep, help_heading = "Schedule")]
-    pub(crate) schedule: ScheduleArg,
+    /// How the stages of the run share time; by default lockstep, of a camera live.
+    #[arg(long, value_enum, help_heading = "Schedule")]
+    pub(crate) schedule: Option<ScheduleArg>,
     /// With --schedule live: frames come at the pace of their timestamps, and are skipped while tracking is behind.
     #[arg(long, help_heading = "Schedule")]
     pub(crate) realtime: bool,
@@ -163,18 +167,51 @@ pub(crate) struct DemoArgs {
 /// Arguments of `dsslam synth`.
 #[derive(Debug, Args)]
 pub(crate) struct SynthArgs {
-    /// Folder to write: image_0, image_1, calib.txt, times.txt, poses.txt and more.
+    /// Folder to write.
     #[arg(value_name = "OUT")]
     pub(crate) out: PathBuf,
     /// The course that is rendered.
     #[command(flatten)]
     pub(crate) world: WorldArgs,
+    /// Layout of the folder.
+    #[arg(long, value_enum, default_value_t = LayoutArg::Kitti)]
+    pub(crate) layout: LayoutArg,
+    /// With --layout euroc: lens of the raw cameras, radtan or fisheye.
+    #[arg(long, default_value_t = LensArg::Radtan, value_enum)]
+    pub(crate) lens: LensArg,
     /// Also writes masks/: what is moving, parked, sky or still in each pixel of the left image.
     #[arg(long)]
     pub(crate) masks: bool,
     /// Also writes depth/: 16-bit depth of the left image, 256 per metre.
     #[arg(long)]
     pub(crate) depth: bool,
+}
+
+/// Layout of a rendered dataset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayoutArg {
+    /// KITTI odometry: rectified images, calib.txt, times.txt, poses.txt.
+    Kitti,
+    /// EuRoC: raw images of two cameras that are turned against each other, sensor.yaml, poses of the body.
+    Euroc,
+}
+
+/// Lens of rendered raw cameras.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LensArg {
+    /// Radial and tangential distortion, 79 degrees wide.
+    Radtan,
+    /// Equidistant, 111 degrees wide.
+    Fisheye,
+}
+
+impl From<LensArg> for synth::Lens {
+    fn from(lens: LensArg) -> Self {
+        match lens {
+            LensArg::Radtan => synth::Lens::Radtan,
+            LensArg::Fisheye => synth::Lens::Fisheye,
+        }
+    }
 }
 
 /// Which world is rendered and how far the camera drives.

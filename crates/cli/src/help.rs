@@ -21,6 +21,8 @@ Examples:
   dsslam run kitti/sequences/06 --config configs/kitti.yaml
   dsslam run kitti/sequences/06 --set features.keep=500 --max-frames 200
   dsslam run rgbd_dataset_freiburg1_desk --config configs/tum-rgbd.yaml
+  dsslam run MH_01_easy --config configs/euroc.yaml --sensor mono
+  dsslam run images --calib camera.yaml
   dsslam run morning --save-map campus.dsmap
   dsslam run evening --load-map campus.dsmap --localize
   dsslam run kitti/sequences/06 --schedule live --realtime --journal run.json
@@ -30,6 +32,10 @@ Layouts:
                    poses.txt if there
   TUM RGB-D        rgb.txt, depth.txt, groundtruth.txt if there; the camera comes from the
                    configuration
+  EuRoC (ASL)      mav0/cam0 and mav0/cam1, each with data.csv, data/ and sensor.yaml
+  Images           PNG or JPEG in the folder (one camera, or left and right side by side in
+                   each) or in left/ and right/; the cameras come from --calib, from
+                   calibration.yaml in the folder, or from the configuration
 
 Results: trajectory.kitti.txt, trajectory.tum.txt, trajectory.png, frames.csv, loops.csv,
 config.yaml, timings.csv, summary.json (README.md explains them); results/latest points to the newest run.",
@@ -52,7 +58,8 @@ pub(crate) fn synth() -> String {
         "\
 Examples:
   dsslam synth /tmp/town --preset town --frames 60
-  dsslam run /tmp/town",
+  dsslam run /tmp/town
+  dsslam synth /tmp/raw --layout euroc --lens fisheye --frames 100",
     )
 }
 

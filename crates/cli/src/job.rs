@@ -60,13 +60,17 @@ pub(crate) fn schedule_name(setup: &Setup, is_replay: bool) -> &'static str {
 ///
 /// # Errors
 /// A run that cannot begin is a fault of the input, a file that cannot be written one of the output.
-pub(crate) fn execute(job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit), Failure> {
+pub(crate) fn execute(mut job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit), Failure> {
     let mut progress = Progress::new();
     let outcome = match &job.replay {
         None => runtime::run(job.feed, &job.setup, &mut progress, stop).or_input()?,
         Some(journal) => runtime::replay(job.feed, &job.setup, journal, &mut progress, stop).or_input()?,
     };
     progress.finish();
+    for remark in job.feed.remarks() {
+        console::note(console::warning(&remark));
+        job.context.notices.push(remark);
+    }
     let sensor = job.context.sensor;
     let compared =
         job.ground_truth.map(|truth| Compared::new(&outcome.frames, truth, sensor, &job.body_from_left));

@@ -26,6 +26,8 @@ mod summary;
 mod tables;
 mod telling;
 mod trajectories;
+mod video;
+mod video_feed;
 mod vocab;
 
 use std::process::ExitCode;

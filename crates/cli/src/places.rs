@@ -13,6 +13,7 @@ use runtime::{Journal, Schedule, Setup};
 use crate::args::{RunArgs, ScheduleArg};
 use crate::exit::{Failure, OrExit};
 use crate::files::folder_of;
+use crate::video;
 
 /// What a run writes beside its results folder.
 #[derive(Clone, Debug, Default)]
@@ -40,10 +41,13 @@ pub(crate) fn vocabulary(file: Option<&Path>) -> Result<Arc<Vocabulary>> {
 /// # Errors
 /// A vocabulary or a map that cannot be used.
 pub(crate) fn complete(setup: &mut Setup, args: &RunArgs, sensor: Sensor) -> Result<(), Failure> {
+    // What a camera delivers while tracking is behind would pile up.
+    let is_camera = video::is_camera(&args.sequence);
     setup.schedule = match (args.schedule, args.realtime) {
-        (ScheduleArg::Sequential, false) => Schedule::Sequential,
-        (ScheduleArg::Lockstep, false) => Schedule::Lockstep,
-        (ScheduleArg::Live, realtime) => Schedule::Live { realtime },
+        (None, _) if is_camera => Schedule::Live { realtime: true },
+        (Some(ScheduleArg::Sequential), false) => Schedule::Sequential,
+        (None | Some(ScheduleArg::Lockstep), false) => Schedule::Lockstep,
+        (Some(ScheduleArg::Live), realtime) => Schedule::Live { realtime },
         (_, true) => return Err(anyhow::anyhow!("--realtime needs --schedule live")).or_input(),
     };
     setup.vocabulary = Some(vocabulary(args.vocab.as_deref()).or_input()?);

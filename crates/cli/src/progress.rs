@@ -91,7 +91,11 @@ impl Observer for Progress {
     fn event(&mut self, event: &Event) {
         match event {
             Event::Started { frames } => {
-                self.bar.set_length(*frames as u64);
+                // Of a video or a camera it is not known.
+                match *frames {
+                    usize::MAX => self.bar.unset_length(),
+                    frames => self.bar.set_length(frames as u64),
+                }
                 self.watch = StopWatch::start();
             }
             Event::Frame { index, status, keyframes, points, .. } => {

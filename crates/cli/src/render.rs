@@ -1,10 +1,11 @@
-//! `dsslam synth`: a rendered course as a dataset in KITTI's layout.
+//! `dsslam synth`: a rendered course as a dataset.
 
 use std::sync::atomic::Ordering;
 
-use synth::{Continue, World, WriteOptions, write_kitti};
+use anyhow::anyhow;
+use synth::{Continue, World, WriteOptions, write_euroc, write_kitti};
 
-use crate::args::{SynthArgs, WorldArgs};
+use crate::args::{LayoutArg, SynthArgs, WorldArgs};
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::stop;
@@ -14,6 +15,9 @@ use crate::stop;
 /// # Errors
 /// A folder that cannot be written.
 pub(crate) fn run(args: &SynthArgs) -> Result<Exit, Failure> {
+    if args.layout == LayoutArg::Euroc && (args.masks || args.depth) {
+        return Err(anyhow!("--masks and --depth need --layout kitti")).or_input();
+    }
     let stop = stop::on_signal();
     io::create_output_folder(&args.out).or_output()?;
     let world = world(&args.world);
@@ -24,7 +28,13 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Exit, Failure> {
         bar.set_position(progress.done as u64);
         if stop.load(Ordering::Relaxed) { Continue::No } else { Continue::Yes }
     };
-    let written = write_kitti(&world, &args.out, &options, &mut progress).or_output()?;
+    let written = match args.layout {
+        LayoutArg::Kitti => write_kitti(&world, &args.out, &options, &mut progress),
+        LayoutArg::Euroc => {
+            write_euroc(&world, &args.out, args.lens.into(), options.max_frames, &mut progress)
+        }
+    };
+    let written = written.or_output()?;
     bar.finish_and_clear();
     console::say(format!("{written} stereo frames of {} in {}", describe(&world), args.out.display()));
     Ok(if written < n_frames { Exit::Interrupted } else { Exit::Done })

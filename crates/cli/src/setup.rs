@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail, ensure};
 use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
+use geometry::{GrayImage, StereoRig};
 use io::{
     Config, FeatureSettings, FrameSource, ImageSize, LoopSettings, MappingSettings, RuntimeSettings, Sensor,
     Sequence, StereoSettings, TrackingSettings,
@@ -23,15 +24,24 @@ pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSi
         Some(found) => found,
         None => sequence.image_size().context("no image of the sequence can be read")?,
     };
+    check_size(size, &sequence.frames[position].left, config)?;
+    Ok(size)
+}
+
+/// Compares the size of the images, one of which is `name`, with what the configuration says.
+///
+/// # Errors
+/// Both sizes.
+pub(crate) fn check_size(size: ImageSize, name: &Path, config: &Config) -> Result<()> {
     if let (Some(width), Some(height)) = (config.camera.width, config.camera.height) {
         let expected = ImageSize { width, height };
         ensure!(
             size == expected,
             "{}: found {size} pixels, expected {expected} (camera.width and camera.height of the configuration)",
-            sequence.frames[position].left.display()
+            name.display()
         );
     }
-    Ok(size)
+    Ok(())
 }
 
 /// The image size of the dataset's calibration with the position of the first frame that has it; `None` where the dataset
@@ -39,7 +49,7 @@ pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSi
 fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>> {
     let Some(raw) = &sequence.raw_calibration else { return Ok(None) };
     let Some(expected) = raw.cameras.first().map(|camera| camera.size) else { return Ok(None) };
-    let has_it = |frame: &FrameSource| io::image_size(&frame.left).is_ok_and(|size| size == expected);
+    let has_it = |frame: &FrameSource| frame.image_size().is_ok_and(|size| size == expected);
     if let Some(position) = sequence.frames.iter().position(has_it) {
         return Ok(Some((position, expected)));
     }
@@ -51,7 +61,7 @@ fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>> {
     )
 }
 
-/// The setup of a run of `dataset` with images of `size`; the configuration holds the camera in force.
+/// The setup of a run of `dataset` with raw images of `size`, which are reduced by `input.scale`; the configuration holds the camera in force.
 ///
 /// # Errors
 /// A camera that nobody gives.
@@ -63,13 +73,14 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
     };
     let camera = config.camera_in_force(dataset, sensor)?;
     let close_depth_m = config.stereo.close_depth_baselines * camera.rig.baseline_m;
-    let rig =
-        Rig { stereo: camera.rig, distortion: camera.distortion, width: size.width, height: size.height };
+    let reduced = size.scaled(config.input.scale);
+    let stereo = StereoRig { camera: camera.rig.camera.resized(size.factors_to(reduced)), ..camera.rig };
+    let rig = Rig { stereo, distortion: camera.distortion, width: reduced.width, height: reduced.height };
     let RuntimeSettings { lag, loop_lag } = config.runtime;
     let params = slam_params(config, run_sensor, close_depth_m);
     Ok(Setup {
         extractor: extractor(&config.features),
-        stereo: stereo(&config.stereo),
+        stereo: stereo_association(&config.stereo),
         disparity_offset_px: config.stereo.disparity_offset_px,
         calibration_frames: config.stereo.calibration_frames,
         depth: DepthConfig { units_per_metre: config.camera.depth_units_per_metre, ..DepthConfig::default() },
@@ -79,13 +90,31 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
     })
 }
 
+/// The mask of the configuration, compared with the size of the raw images.
+///
+/// # Errors
+/// A file that is no image, or one of another size.
+pub(crate) fn wanted_mask(config: &Config, size: ImageSize) -> Result<Option<GrayImage>> {
+    let Some(path) = &config.input.mask else { return Ok(None) };
+    let place = || format!("input.mask ({})", config.provenance("input.mask"));
+    let mask = io::load_gray(path).with_context(place)?;
+    let found = ImageSize { width: mask.width, height: mask.height };
+    ensure!(
+        found == size,
+        "{}: {}: found {found} pixels, expected {size} as the images have",
+        place(),
+        path.display()
+    );
+    Ok(Some(mask))
+}
+
 /// How features are extracted.
 pub(crate) fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
     let FeatureSettings { keep, levels, scale_factor, fast_initial, fast_minimum, subpixel } = *settings;
     ExtractorConfig { keep, levels, scale_factor: scale_factor as f32, fast_initial, fast_minimum, subpixel }
 }
 
-fn stereo(settings: &StereoSettings) -> StereoConfig {
+fn stereo_association(settings: &StereoSettings) -> StereoConfig {
     let StereoSettings {
         min_depth_m,
         close_depth_baselines: _,

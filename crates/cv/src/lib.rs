@@ -1,4 +1,4 @@
-//! OpenCV in one place: the reference that benchmarks and tests compare with.
+//! OpenCV in one place: the reference that benchmarks and tests compare with, and the program `dsslam-video`.
 //!
 //! No other crate links OpenCV, and the program does not depend on this one: neither its build nor its start pays for it.
 

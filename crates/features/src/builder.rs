@@ -5,6 +5,7 @@ use crate::extractor::Extractor;
 use crate::frame::{Frame, Rig};
 use crate::kernels::Simd;
 use crate::keypoint::{ExtractorConfig, Features, Keypoint};
+use crate::mask::FeatureMask;
 use crate::pyramid::Pyramid;
 use crate::stereo::{StereoConfig, StereoMatcher, StereoPair};
 use geometry::{DepthImage, GrayImage, Vec2};
@@ -40,6 +41,13 @@ impl FrameBuilder {
     #[must_use]
     pub fn with_disparity_offset(mut self, offset_px: f64) -> Self {
         self.disparity_offset_px = offset_px as f32;
+        self
+    }
+
+    /// Takes features of the left image from now on only where the mask allows it.
+    #[must_use]
+    pub fn with_mask(mut self, mask: Option<Arc<FeatureMask>>) -> Self {
+        self.extractor = self.extractor.with_mask(mask);
         self
     }
 

@@ -6,6 +6,7 @@ use crate::kernels::brief::{REACH, describe};
 use crate::kernels::fast::{self, RADIUS};
 use crate::kernels::{Simd, blur, moments};
 use crate::keypoint::{ExtractorConfig, Features, Keypoint};
+use crate::mask::FeatureMask;
 use crate::plane::{Plane, reflect};
 use crate::pyramid::{Placement, Pyramid};
 use crate::quadtree::{Corner, Quadtree};
@@ -23,6 +24,7 @@ pub struct Extractor {
     quotas: Vec<usize>,
     pyramid: Pyramid,
     workers: Vec<Worker>,
+    mask: Option<Arc<FeatureMask>>,
 }
 
 /// Buffers and result of one level.
@@ -44,7 +46,22 @@ impl Extractor {
         let scales = Arc::new(ScaleLevels::new(config.levels, config.scale_factor));
         let quotas = level_quotas(config.keep, config.levels, config.scale_factor);
         let workers = (0..config.levels).map(|_| Worker::default()).collect();
-        Self { config, simd: Simd::detect(), scales, quotas, pyramid: Pyramid::default(), workers }
+        Self {
+            config,
+            simd: Simd::detect(),
+            scales,
+            quotas,
+            pyramid: Pyramid::default(),
+            workers,
+            mask: None,
+        }
+    }
+
+    /// Takes features from now on only where the mask, which has the size of the images, allows it.
+    #[must_use]
+    pub fn with_mask(mut self, mask: Option<Arc<FeatureMask>>) -> Self {
+        self.mask = mask;
+        self
     }
 
     /// The features of `image`: at most `keep`, by octave, row, column; none when it is smaller than 33 pixels.
@@ -52,7 +69,8 @@ impl Extractor {
     /// Levels run in parallel on the current rayon pool; the result does not depend on the number of threads.
     pub fn extract(&mut self, image: &GrayImage) -> Features {
         self.pyramid.build(self.simd, &self.scales, image);
-        let Self { config, simd, quotas, pyramid, workers, .. } = self;
+        let Self { config, simd, quotas, pyramid, workers, mask, .. } = self;
+        let mask = mask.as_deref();
         let levels = pyramid.levels();
         workers[..levels.len()].par_iter_mut().with_max_len(1).enumerate().for_each(|(octave, worker)| {
             worker.run(
@@ -60,7 +78,7 @@ impl Extractor {
                 config,
                 &levels[octave],
                 (octave as u8, pyramid.placement(octave)),
-                quotas[octave],
+                (quotas[octave], mask),
             );
         });
         let n_features = workers.iter().map(|w| w.features.keypoints.len()).sum();
@@ -96,13 +114,17 @@ impl Worker {
         config: &ExtractorConfig,
         level: &Plane,
         (octave, placement): (u8, Placement),
-        quota: usize,
+        (quota, mask): (usize, Option<&FeatureMask>),
     ) {
         let Features { keypoints, descriptors } = &mut self.features;
         keypoints.clear();
         descriptors.clear();
         let Some(bounds) = region(level) else { return };
         self.detector.run(simd, level, config.fast_initial, config.fast_minimum, &mut self.corners);
+        if let Some(mask) = mask {
+            let place = |c: &Corner| placement.to_full(f32::from(c.x), f32::from(c.y));
+            self.corners.retain(|corner| mask.allows(octave, place(corner)));
+        }
         self.quadtree.distribute(&self.corners, bounds, quota, &mut self.kept);
         if self.kept.is_empty() {
             return;

@@ -2,6 +2,7 @@
 
 use crate::kernels::Simd;
 use crate::kernels::remap::{FRACTION_BITS, ONE, remap_pixels};
+use crate::mask::eroded;
 use geometry::{CameraModel, GrayImage, Pinhole, SO3, Vec2};
 use rayon::prelude::*;
 
@@ -82,23 +83,8 @@ impl RemapTable {
     #[must_use]
     pub fn mask(&self, margin_px: usize) -> GrayImage {
         let (width, height) = self.target;
-        // Pixels without a source in the rectangle above and left of (x, y).
-        let stride = width + 1;
-        let mut sums = vec![0u32; stride * (height + 1)];
-        for y in 0..height {
-            let mut in_row = 0;
-            for x in 0..width {
-                in_row += u32::from(!self.has_source(x, y));
-                sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + in_row;
-            }
-        }
-        GrayImage::from_fn(width, height, |x, y| {
-            let (left, top) = (x.saturating_sub(margin_px), y.saturating_sub(margin_px));
-            let (right, bottom) = ((x + margin_px + 1).min(width), (y + margin_px + 1).min(height));
-            let at = |x: usize, y: usize| sums[y * stride + x];
-            let missing = at(right, bottom) + at(left, top) - at(left, bottom) - at(right, top);
-            if missing == 0 { 255 } else { 0 }
-        })
+        let filled = GrayImage::from_fn(width, height, |x, y| if self.has_source(x, y) { 255 } else { 0 });
+        if margin_px == 0 { filled } else { eroded(&filled, margin_px) }
     }
 }
 

@@ -51,11 +51,14 @@ impl Pinhole {
     /// The camera of an image that was resized by `factor` (0.5: half width and height), pixel centres kept in place.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            fx: self.fx * factor,
-            fy: self.fy * factor,
-            cx: (self.cx + 0.5) * factor - 0.5,
-            cy: (self.cy + 0.5) * factor - 0.5,
-        }
+        self.resized([factor, factor])
+    }
+
+    /// The camera of an image whose width and height were changed by these factors, with the corners of the image kept in place.
+    #[must_use]
+    pub fn resized(&self, [x, y]: [f64; 2]) -> Self {
+        // Where nothing changes, no digit does.
+        let center = |c: f64, factor: f64| if factor == 1.0 { c } else { (c + 0.5) * factor - 0.5 };
+        Self { fx: self.fx * x, fy: self.fy * y, cx: center(self.cx, x), cy: center(self.cy, y) }
     }
 }

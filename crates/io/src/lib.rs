@@ -8,6 +8,7 @@ mod dataset;
 mod file;
 mod images;
 mod trajectory;
+mod video;
 
 pub use config::{
     CameraError, CameraSettings, Config, ConfigErrors, Explained, FeatureSettings, InputSettings,
@@ -16,15 +17,16 @@ pub use config::{
     table::SCHEMA,
 };
 pub use dataset::{
-    Calibration, DatasetError, FrameSource, OpenOptions, RawCalibration, RawCamera, RectifiedView, Sensor,
-    Sequence, SequenceKind, open_sequence, open_sequence_with,
+    Calibration, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera, RectifiedView,
+    Sensor, Sequence, SequenceKind, Video, open_sequence, open_sequence_with, open_video,
 };
 pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use images::{
     ImageError, ImageSize, LoadedFrame, Rgb, image_size, load_depth, load_frame, load_gray, load_rgb,
-    save_png_depth, save_png_gray, save_png_rgb,
+    reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
 };
 pub use trajectory::{
     StampedPose, Trajectory, TrajectoryFormat, read_euroc, read_kitti_poses, read_trajectory, read_tum,
     write_euroc, write_kitti, write_tum,
 };
+pub use video::{VideoError, VideoFrame, VideoHeader, VideoReader};

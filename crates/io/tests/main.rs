@@ -7,9 +7,11 @@ mod suite {
     mod bad_euroc;
     mod bad_image;
     mod calibration;
+    mod camera_file;
     mod config;
     mod config_errors;
     mod euroc_layout;
+    mod image_folder;
     mod images;
     mod kitti_layout;
     mod real_data;

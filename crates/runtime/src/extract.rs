@@ -33,7 +33,8 @@ impl<'a> ExtractStage<'a> {
             setup.stereo.clone(),
             setup.depth.clone(),
         );
-        ExtractStage { setup, builder: builder.with_disparity_offset(disparity_offset_px) }
+        let builder = builder.with_disparity_offset(disparity_offset_px).with_mask(setup.mask.clone());
+        ExtractStage { setup, builder }
     }
 
     /// Makes a frame of images.

@@ -2,7 +2,7 @@
 
 use io::{LoadedFrame, Sequence, load_frame};
 
-use crate::rectify::Rectification;
+use crate::prepare::Preparation;
 
 /// What is known of a frame before it is loaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,11 +15,20 @@ pub struct FrameInfo {
 
 /// A source of frames. Loading happens on a thread of its own, ahead of tracking.
 pub trait FrameFeed: Sync {
-    /// Number of frames.
+    /// Number of frames; of a feed whose end is not known before it comes, at least as many.
     fn len(&self) -> usize;
     /// Whether there is no frame.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+    /// Whether there is no `i`-th frame, although [`FrameFeed::len`] allows for it. Asked, for one frame after another, before it is
+    /// loaded; waits until that is known.
+    fn ends_before(&self, _i: usize) -> bool {
+        false
+    }
+    /// What there is to tell after the run, such as why the feed ended.
+    fn remarks(&self) -> Vec<String> {
+        Vec::new()
     }
     /// Number and time of the `i`-th frame.
     fn info(&self, i: usize) -> FrameInfo;
@@ -30,23 +39,24 @@ pub trait FrameFeed: Sync {
     fn load(&self, i: usize) -> Result<LoadedFrame, String>;
 }
 
-/// The first frames of a dataset, rectified where the dataset's images are raw.
+/// The first frames of a dataset, prepared for feature extraction.
 #[derive(Clone, Debug)]
 pub struct SequenceFeed<'a> {
     sequence: &'a Sequence,
-    rectification: Option<Rectification>,
+    preparation: Preparation,
     len: usize,
 }
 
 impl<'a> SequenceFeed<'a> {
-    /// All frames of a sequence, or the first `max_frames`. Computes the tables of the rectification.
+    /// All frames of a sequence, or the first `max_frames`, at full size. Computes the tables of the rectification.
     pub fn new(sequence: &'a Sequence, max_frames: Option<usize>) -> Self {
+        Self::prepared(sequence, Preparation::new(sequence, 1.0), max_frames)
+    }
+
+    /// All frames of a sequence, or the first `max_frames`, prepared in this way.
+    pub fn prepared(sequence: &'a Sequence, preparation: Preparation, max_frames: Option<usize>) -> Self {
         let len = sequence.frames.len();
-        SequenceFeed {
-            sequence,
-            rectification: Rectification::of(sequence),
-            len: max_frames.map_or(len, |max| max.min(len)),
-        }
+        SequenceFeed { sequence, preparation, len: max_frames.map_or(len, |max| max.min(len)) }
     }
 }
 
@@ -63,9 +73,6 @@ impl FrameFeed for SequenceFeed<'_> {
     fn load(&self, i: usize) -> Result<LoadedFrame, String> {
         let files = &self.sequence.frames[i];
         let frame = load_frame(files).map_err(|error| error.to_string())?;
-        match &self.rectification {
-            Some(rectification) => rectification.apply(frame, files),
-            None => Ok(frame),
-        }
+        self.preparation.apply(frame, &files.left)
     }
 }

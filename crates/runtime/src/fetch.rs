@@ -25,35 +25,50 @@ pub(crate) fn fetch(feed: &dyn FrameFeed, n: usize) -> Fetched {
     Fetched { n, info: feed.info(n), images, decode_ms }
 }
 
-/// Sends the first `frames` frames in order, each as soon as there is room, until nobody reads any more.
-pub(crate) fn ahead(feed: &dyn FrameFeed, frames: usize, mut faults: StageFaults, to: &Sender<Fetched>) {
+/// Sends the first `frames` frames in order, each as soon as there is room, until nobody reads any more. Returns how many there are, as
+/// far as is known.
+pub(crate) fn ahead(
+    feed: &dyn FrameFeed,
+    frames: usize,
+    mut faults: StageFaults,
+    to: &Sender<Fetched>,
+) -> usize {
     for n in 0..frames {
         faults.step();
+        if feed.ends_before(n) {
+            return n;
+        }
         if to.send(fetch(feed, n)).is_err() {
-            return;
+            break;
         }
     }
+    frames
 }
 
 /// Sends frames at the pace of their timestamps. `slot` and `taken` are the ends of a channel for one frame: a frame
-/// that nobody has taken by the time of the next one is replaced by it. Ends early when `reader_is_there` is closed.
+/// that nobody has taken by the time of the next one is replaced by it. Ends early when `reader_is_there` is closed. Returns how many
+/// frames there are, as far as is known.
 pub(crate) fn paced(
     feed: &dyn FrameFeed,
     frames: usize,
     mut faults: StageFaults,
     (slot, taken): (&Sender<Fetched>, &Receiver<Fetched>),
     reader_is_there: &Receiver<()>,
-) {
+) -> usize {
     let pace = Pace::start();
     for n in 0..frames {
         faults.step();
+        if feed.ends_before(n) {
+            return n;
+        }
         let seconds = feed.info(n).timestamp_s - feed.info(0).timestamp_s;
         let fetched = fetch(feed, n);
         if !pace.wait(seconds, reader_is_there) {
-            return;
+            break;
         }
         replace(slot, taken, fetched);
     }
+    frames
 }
 
 /// Puts a value into a channel for one, in the place of one that nobody has taken yet.

@@ -25,7 +25,10 @@ pub(crate) fn run(job: &Job<'_>, observer: &mut dyn Observer) -> Result<Parts, R
         let faults = job.faults("decode");
         let decode = spawn(scope, "decode", move || ahead(job.feed, job.frames, faults, &to_here))?;
         let mut parts = consume(job, fetched, observer);
-        parts.failure = parts.failure.or(joined(decode).err());
+        match joined(decode) {
+            Ok(frames) => parts.frames = frames,
+            Err(failure) => parts.failure = parts.failure.or(Some(failure)),
+        }
         Ok(parts)
     })
 }

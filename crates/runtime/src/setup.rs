@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bow::Vocabulary;
-use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
+use features::{DepthConfig, ExtractorConfig, FeatureMask, Rig, StereoConfig};
 use map::Map;
 use slam::{Params, World};
 
@@ -47,6 +47,8 @@ pub struct Setup {
     pub rig: Arc<Rig>,
     /// Feature extraction.
     pub extractor: ExtractorConfig,
+    /// Where features may be taken; `None`: everywhere.
+    pub mask: Option<Arc<FeatureMask>>,
     /// Stereo association.
     pub stereo: StereoConfig,
     /// Added to every disparity: a known error of the stereo calibration, pixels.
@@ -79,6 +81,7 @@ impl Setup {
             sensor,
             rig,
             extractor: ExtractorConfig::default(),
+            mask: None,
             stereo: StereoConfig::default(),
             disparity_offset_px: 0.0,
             calibration_frames: 0,
@@ -112,6 +115,7 @@ impl Setup {
         print.add(format!("{:?}", (&self.depth, &self.slam)).as_bytes());
         print.add(self.vocabulary.as_ref().map_or(&[][..], |vocabulary| vocabulary.as_bytes()));
         print.add(&self.start.as_ref().map_or(0, Map::digest).to_le_bytes());
+        self.mask.iter().flat_map(|mask| mask.bytes()).for_each(|level| print.add(level));
         print.value()
     }
 }

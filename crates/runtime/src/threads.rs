@@ -84,7 +84,7 @@ pub(crate) fn joined<T>(stage: Stage<'_, T>) -> Result<T, StageFailure> {
 
 /// The threads of a run, in the order of the pipeline.
 struct Stages<'scope> {
-    decode: Stage<'scope, ()>,
+    decode: Stage<'scope, usize>,
     extract: Stage<'scope, ()>,
     track: Stage<'scope, TrackLeft>,
     map: Stage<'scope, MapLeft>,
@@ -100,7 +100,7 @@ impl<'scope> Stages<'scope> {
         to_observer: Sender<Event>,
     ) -> Result<Self, RunError> {
         let (reader, reader_is_there) = bounded(0);
-        let (extracted, [decode, extract]) = start_source(scope, job, manner, reader_is_there)?;
+        let (extracted, decode, extract) = start_source(scope, job, manner, reader_is_there)?;
         let (publish, states) = bounded(if manner == Manner::Lockstep { EXACT_STATES } else { 1 });
         let (to_mapping, messages) = bounded(MESSAGES);
         let (map_stage, finders, global) = start_services(scope, job)?;
@@ -126,7 +126,9 @@ impl<'scope> Stages<'scope> {
 
     /// Waits for all stages and collects what they left.
     fn join(self, job: &Job<'_>) -> Parts {
-        let mut failures = [joined(self.decode).err(), joined(self.extract).err()].to_vec();
+        let decoded = joined(self.decode);
+        let frames = decoded.as_ref().copied().unwrap_or(job.frames);
+        let mut failures = [decoded.err(), joined(self.extract).err()].to_vec();
         let mut track = joined(self.track).unwrap_or_else(TrackLeft::nothing);
         let map = joined(self.map).unwrap_or_else(MapLeft::nothing);
         failures.extend([track.failure.take(), map.failure]);
@@ -136,7 +138,7 @@ impl<'scope> Stages<'scope> {
             tracking: track.log,
             mapping: map.log,
             world: map.world.unwrap_or_else(|| Arc::unwrap_or_clone(last_shown)),
-            frames: job.frames,
+            frames,
             failure: failures.into_iter().flatten().next(),
         }
     }
@@ -148,21 +150,21 @@ fn start_source<'scope, 'env>(
     job: &'env Job<'env>,
     manner: Manner,
     reader_is_there: Receiver<()>,
-) -> Result<(Receiver<Extracted>, [Stage<'scope, ()>; 2]), RunError> {
+) -> Result<(Receiver<Extracted>, Stage<'scope, usize>, Stage<'scope, ()>), RunError> {
     let realtime = manner == Manner::Live { realtime: true };
     let (to_extract, fetched) = bounded(if realtime { 1 } else { AHEAD });
     let (to_track, extracted) = bounded(if realtime { 0 } else { EXTRACTED_AHEAD });
     let (taken, faults) = (fetched.clone(), job.faults("decode"));
     let decode = spawn(scope, "decode", move || {
         if realtime {
-            paced(job.feed, job.frames, faults, (&to_extract, &taken), &reader_is_there);
+            paced(job.feed, job.frames, faults, (&to_extract, &taken), &reader_is_there)
         } else {
             drop(taken);
-            ahead(job.feed, job.frames, faults, &to_extract);
+            ahead(job.feed, job.frames, faults, &to_extract)
         }
     })?;
     let extract = spawn(scope, "extract", move || extract(job, &fetched, &to_track))?;
-    Ok((extracted, [decode, extract]))
+    Ok((extracted, decode, extract))
 }
 
 /// The mapping stage with services on threads.

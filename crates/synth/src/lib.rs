@@ -1,7 +1,7 @@
 //! Rendered street worlds with exact ground truth: a stereo camera drives a course between textured houses, trees, parked and moving
 //! cars.
 //!
-//! Start reading at [`World`] (any frame of a drive) and [`write_kitti`] (a whole drive as files). Inside: `course` and `drive` (where
+//! Start reading at [`World`] (any frame of a drive) and [`write_kitti`] and [`write_euroc`] (a whole drive as files). Inside: `course` and `drive` (where
 //! the camera is), `town` (what stands where), `traffic` (what moves), `camera` and `raster` (how it is drawn).
 //!
 //! World and camera axes: x right, y down, z forward; metres. Everything follows from preset, seed and number of rounds; frames do not
@@ -16,6 +16,7 @@ mod furniture;
 mod houses;
 mod kernel;
 mod layout;
+mod lens;
 mod library;
 mod lookup;
 mod materials;
@@ -36,8 +37,11 @@ mod vehicle;
 mod vehicle_paint;
 mod world;
 mod write;
+mod write_euroc;
 
+pub use lens::{Lens, LensCamera};
 pub use preset::Preset;
 pub use town::{LABEL_MOVING, LABEL_PARKED, LABEL_SKY, LABEL_STATIC};
-pub use world::{FRAME_RATE_HZ, StereoFrame, StereoImages, World};
+pub use world::{FRAME_RATE_HZ, LensRig, StereoFrame, StereoImages, World};
 pub use write::{Continue, DEPTH_UNITS_PER_METRE, Progress, WriteError, WriteOptions, write_kitti};
+pub use write_euroc::write_euroc;

@@ -33,6 +33,7 @@ pub(crate) enum Eye {
 pub(crate) struct Shot {
     gain: f32,
     seed: u64,
+    vignette: f32,
 }
 
 impl Sensor {
@@ -49,11 +50,17 @@ impl Sensor {
         Shot {
             gain: (own * (1.0 + self.exposure.at(t))) as f32,
             seed: mix_seed(self.seed, index as u64, purpose),
+            vignette: VIGNETTE,
         }
     }
 }
 
 impl Shot {
+    /// The shot of a tile of a larger picture: noise of its own, corners as bright as the middle.
+    pub(crate) fn of_tile(&self, tile: usize) -> Self {
+        Self { seed: mix_seed(self.seed, tile as u64, 14), vignette: 0.0, ..self.clone() }
+    }
+
     /// Grey values of image row `y` from its tones (grey value times 256).
     pub(crate) fn expose(&self, y: usize, tones: &[u16], out: &mut [u8]) {
         let mut random = [0_u8; 4 * WIDTH];
@@ -62,7 +69,7 @@ impl Shot {
         let dy_sq = (y as f32 - cy).powi(2);
         for (x, ((out, tone), bytes)) in out.iter_mut().zip(tones).zip(random.chunks_exact(4)).enumerate() {
             let r_sq = ((x as f32 - cx).powi(2) + dy_sq) / (cx * cx + cy * cy);
-            let light = f32::from(*tone) / 256.0 * self.gain * (1.0 - VIGNETTE * r_sq);
+            let light = f32::from(*tone) / 256.0 * self.gain * (1.0 - self.vignette * r_sq);
             let sum = u32::from(bytes[0]) + u32::from(bytes[1]) + u32::from(bytes[2]) + u32::from(bytes[3]);
             let sigma = NOISE + SHOT_NOISE * light / 255.0;
             *out = (light + sigma * (sum as f32 - 510.0) / FOUR_BYTES + 0.5) as u8;

@@ -4,6 +4,7 @@ use crate::camera::{HEIGHT, View, WIDTH};
 use crate::course::Course;
 use crate::drive::{Drive, Stop};
 use crate::layout::SideStreet;
+use crate::lens::{LensCamera, Redrawing};
 use crate::library::{Common, Library};
 use crate::mesh::{Instance, Mesh, V3};
 use crate::preset::{Preset, Settings};
@@ -210,6 +211,12 @@ impl World {
         StereoImages { timestamp_s: moment.t, left, right }
     }
 
+    /// The world as raw cameras with lenses see it.
+    #[must_use]
+    pub fn lens_rig(&self, cameras: &[LensCamera; 2]) -> LensRig<'_> {
+        LensRig { world: self, redrawings: [0, 1].map(|i| Redrawing::new(&cameras[i])) }
+    }
+
     fn picture(&self, moment: &Moment, eye: Eye, i: usize) -> GrayImage {
         let shot = self.sensor.shot(eye, i, moment.t);
         let view = &moment.views[usize::from(eye == Eye::Right)];
@@ -228,6 +235,32 @@ impl World {
         let mut instances = self.still.clone();
         instances.extend(self.traffic.instances(&self.course, &self.drive, t));
         Moment { t, views: [view(0.0), view(rig.baseline_m)], instances }
+    }
+}
+
+/// A pair of raw cameras in a world.
+#[derive(Clone, Debug)]
+pub struct LensRig<'a> {
+    world: &'a World,
+    redrawings: [Redrawing; 2],
+}
+
+impl LensRig<'_> {
+    /// Left and right raw image of frame `i`.
+    #[must_use]
+    pub fn images(&self, i: usize) -> [GrayImage; 2] {
+        let world = self.world;
+        let moment = world.moment(i);
+        let world_from_rig = world.drive.pose(&world.course, moment.t);
+        let image = |eye: Eye| {
+            let shot = world.sensor.shot(eye, i, moment.t);
+            self.redrawings[usize::from(eye == Eye::Right)].image(&world_from_rig, |view, tile| {
+                let shot = shot.of_tile(tile);
+                render::picture(view, &world.meshes, &moment.instances, &world.library, &shot)
+            })
+        };
+        let (left, right) = rayon::join(|| image(Eye::Left), || image(Eye::Right));
+        [left, right]
     }
 }
 

@@ -129,7 +129,7 @@ fn in_units(depth_m: &Raster<f32>) -> DepthImage {
     DepthImage { width: depth_m.width, height: depth_m.height, data: depth_m.data.iter().map(unit).collect() }
 }
 
-fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
     std::fs::write(path, text).map_err(|source| WriteError::File { path: path.to_path_buf(), source })
 }
 

@@ -1,7 +1,8 @@
 //! What `write_kitti` leaves on disk.
 
+use geometry::SE3;
 use std::path::Path;
-use synth::{Continue, Preset, Progress, World, WriteOptions, write_kitti};
+use synth::{Continue, Lens, Preset, Progress, World, WriteOptions, write_euroc, write_kitti};
 
 fn quiet() -> World {
     World::new(Preset::Quiet, 3, 1)
@@ -70,4 +71,34 @@ fn an_unwritable_place_is_named() {
         message.starts_with(&format!("{}: cannot write: ", folder.path().join("calib.txt").display())),
         "{message}"
     );
+}
+
+#[test]
+fn raw_cameras_are_written_as_an_euroc_sequence() {
+    let world = quiet();
+    let folder = tempfile::tempdir().unwrap();
+    let written = write_euroc(&world, folder.path(), Lens::Fisheye, Some(2), &mut |_| Continue::Yes);
+    assert_eq!(written.unwrap(), 2);
+    let sequence = io::open_sequence(folder.path(), None).unwrap();
+    assert_eq!(
+        (sequence.frames.len(), sequence.sensor, &sequence.warnings[..]),
+        (2, io::Sensor::Stereo, &[][..])
+    );
+    let raw = sequence.raw_calibration.unwrap();
+    for (read, camera) in raw.cameras.iter().zip(Lens::Fisheye.cameras()) {
+        assert_eq!((read.model, (read.size.width, read.size.height)), (camera.model, camera.size));
+    }
+    let right_from_left = |left: SE3, right: SE3| right.inverse() * left;
+    let [left, right] = Lens::Fisheye.cameras().map(|camera| camera.rig_from_cam);
+    let expected = right_from_left(left, right);
+    let found = right_from_left(raw.cameras[0].body_from_cam, raw.cameras[1].body_from_cam);
+    assert!((found.matrix() - expected.matrix()).amax() < 1e-9);
+    // The left camera's centre is that of the drive, wherever the body is.
+    let truth = sequence.ground_truth.unwrap();
+    let center = |i: usize| (truth.poses[i].world_from_cam * raw.cameras[0].body_from_cam).translation;
+    let moved = world.world_from_cam(1).translation - world.world_from_cam(0).translation;
+    assert!((center(1) - center(0) - moved).norm() < 1e-9);
+    let loaded = io::load_frame(&sequence.frames[1]).unwrap();
+    let images = world.lens_rig(&Lens::Fisheye.cameras()).images(1);
+    assert!(loaded.left == images[0] && loaded.right.as_ref() == Some(&images[1]));
 }

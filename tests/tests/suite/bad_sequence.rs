@@ -41,7 +41,7 @@ fn an_empty_folder_has_no_known_layout() {
     let folder = tempfile::tempdir().unwrap();
     let expected = format!(
         "error: {}: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2), TUM RGB-D \
-         (rgb.txt, depth.txt) or EuRoC (mav0/cam0)",
+         (rgb.txt, depth.txt), EuRoC (mav0/cam0) or images (PNG or JPEG, in the folder itself or in left and right)",
         folder.path().display()
     );
     dsslam(&["run", text(folder.path())]).expect(2, &expected);

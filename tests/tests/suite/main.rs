@@ -13,7 +13,9 @@ mod real_data;
 mod rendered_feed;
 mod schedules;
 mod schedules_of_the_program;
+mod sensors;
 mod sequence;
+mod videos;
 mod vocabulary;
 
 use std::path::{Path, PathBuf};

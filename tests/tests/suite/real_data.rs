@@ -47,6 +47,16 @@ fn the_desk_is_tracked_without_loss() {
     assert!(ate < 0.03, "{ate} m");
 }
 
+/// Numbered JPEGs and a calibration in XML, as they were published.
+#[test]
+fn a_folder_of_unrectified_images_is_run_as_it_is() {
+    let Some(path) = real("boofcv_library") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    dsslam(&["run", text(&path), "--out", text(folder.path()), "--max-frames", "60"]).expect_success();
+    let s = summary(folder.path());
+    assert_eq!((&s["sensor"], &s["tracked"], &s["lost"]), (&"stereo".into(), &60.into(), &0.into()), "{s:#}");
+}
+
 /// Pins every bit of tracking and mapping on real frames. The value may be renewed in a change that means to change
 /// results, after the errors of the evaluation were seen not to be worse:
 /// `DSSLAM_RENEW_GOLDEN=1 cargo test -p tests golden`.

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use crate::program::{command, dsslam, ended, summary, text};
 use crate::root;
+use crate::sensors::rendered_radtan;
 use crate::sequence::{Copy, N_RENDERED, rendered};
 
 /// A run of the rendered sequence or of a real one, with its summary.
@@ -44,6 +45,16 @@ fn check_schedules(sequence: &Path, args: &[&str]) {
 #[test]
 fn schedules_and_threads_do_not_change_a_rendered_drive() {
     check_schedules(rendered(), &[]);
+}
+
+#[test]
+fn schedules_and_threads_do_not_change_a_drive_with_one_camera() {
+    check_schedules(rendered(), &["--sensor", "mono"]);
+}
+
+#[test]
+fn schedules_and_threads_do_not_change_a_drive_with_raw_cameras() {
+    check_schedules(rendered_radtan(), &[]);
 }
 
 #[test]

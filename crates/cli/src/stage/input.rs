@@ -66,6 +66,8 @@ impl Frames {
         let options = OpenOptions {
             sensor: sensor.or(config.input.sensor),
             association_tolerance_s: config.input.association_tolerance_s,
+            calibration: None,
+            frame_rate_hz: config.camera.fps,
         };
         let sequence = io::open_sequence_with(dir, &options)?;
         if let Some(calibration) = &sequence.calibration {

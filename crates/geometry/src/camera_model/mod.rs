@@ -76,6 +76,19 @@ impl CameraModel {
         }
     }
 
+    /// The camera of an image whose width and height were changed by these factors; the lens stays the same.
+    #[must_use]
+    pub fn resized(&self, factors: [f64; 2]) -> Self {
+        match *self {
+            Self::Pinhole { camera, distortion } => {
+                Self::Pinhole { camera: camera.resized(factors), distortion }
+            }
+            Self::KannalaBrandt(fisheye) => {
+                Self::KannalaBrandt(KannalaBrandt { camera: fisheye.camera.resized(factors), ..fisheye })
+            }
+        }
+    }
+
     /// Focal lengths and principal point.
     #[must_use]
     pub fn pinhole(&self) -> &Pinhole {

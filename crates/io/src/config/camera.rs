@@ -14,7 +14,8 @@ pub enum CameraError {
     /// Neither the dataset nor the configuration gives the camera.
     #[error(
         "{}: the dataset has no calibration file and the configuration does not give {missing}; \
-         give a configuration with the section `camera` (such as --config configs/tum-rgbd.yaml) or --set {missing}=...",
+         give a configuration with the section `camera` (such as --config configs/tum-rgbd.yaml), --set {missing}=... or, for a \
+         folder of images, --calib FILE",
         dataset.display()
     )]
     Missing {
@@ -65,6 +66,15 @@ impl Config {
             }
         }
         notices
+    }
+
+    /// Takes over the frame rate that a calibration file of the dataset gives; a notice if somebody had given another one.
+    pub fn apply_frame_rate(&mut self, frame_rate_hz: f64, source: &str) -> Option<String> {
+        let old = std::mem::replace(&mut self.camera.fps, frame_rate_hz);
+        let key = "camera.fps";
+        let place = self.provenance.insert(key.to_string(), Provenance::Calibration(source.to_string()))?;
+        (old != frame_rate_hz)
+            .then(|| format!("{key} = {old} ({place}) is replaced by {frame_rate_hz} from {source}"))
     }
 
     /// The camera in force; for a dataset with a calibration file call [`Config::apply_calibration`] first.

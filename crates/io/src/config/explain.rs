@@ -36,7 +36,9 @@ impl Config {
 fn scalar(value: &Json) -> Option<String> {
     match value {
         Json::Null => None,
-        Json::String(text) => Some(text.clone()),
+        Json::String(text) if text.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c)) => {
+            Some(text.clone())
+        }
         other => Some(other.to_string()),
     }
 }

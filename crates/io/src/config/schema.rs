@@ -33,6 +33,8 @@ pub enum Kind {
     Flag,
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// The name of a file.
+    File,
 }
 
 /// An interval of numbers.
@@ -144,6 +146,11 @@ pub(super) const fn optional_choice(
     Entry { key, kind: Kind::Choice(words), unit: "", default: None, help }
 }
 
+/// A key with the name of a file, which may be absent.
+pub(super) const fn optional_file(key: &'static str, help: &'static str) -> Entry {
+    Entry { key, kind: Kind::File, unit: "", default: None, help }
+}
+
 impl Entry {
     /// Section of the key, empty for a key at the top.
     pub fn section(&self) -> &'static str {
@@ -164,6 +171,7 @@ impl Entry {
             Kind::Real(range) => range.expectation(&unit),
             Kind::Flag => "true or false".to_string(),
             Kind::Choice(words) => format!("one of {}", words.join(", ")),
+            Kind::File => "the name of a file".to_string(),
         }
     }
 
@@ -175,6 +183,7 @@ impl Entry {
             (Kind::Real(range), Value::Real(value)) => range.contains(*value),
             (Kind::Flag, Value::Flag(_)) => true,
             (Kind::Choice(words), Value::Text(text)) => words.contains(&text.as_str()),
+            (Kind::File, Value::Text(text)) => !text.is_empty(),
             _ => false,
         }
     }

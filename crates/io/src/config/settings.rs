@@ -1,6 +1,8 @@
 //! The configuration as the program uses it: a typed field for each key of `table.rs`, which tests keep equal.
 //! Units, ranges and defaults stand in the table; real numbers are `f64`, keys that may be absent are `Option`s.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::Sensor;
@@ -45,6 +47,10 @@ pub struct CameraSettings {
 pub struct InputSettings {
     /// What to use of the dataset.
     pub sensor: Option<Sensor>,
+    /// Factor by which images are reduced.
+    pub scale: f64,
+    /// Image that is 0 where no features are to be taken.
+    pub mask: Option<PathBuf>,
     /// Largest time between a colour image and its depth image, s.
     pub association_tolerance_s: f64,
 }

@@ -6,6 +6,7 @@ use geometry::RectificationError;
 
 use super::Sensor;
 use crate::file::FileError;
+use crate::images::ImageError;
 
 /// Why a dataset cannot be opened.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,7 +26,8 @@ pub enum DatasetError {
     /// The folder has none of the known layouts.
     #[error(
         "{}: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2), \
-         TUM RGB-D (rgb.txt, depth.txt) or EuRoC (mav0/cam0)",
+         TUM RGB-D (rgb.txt, depth.txt), EuRoC (mav0/cam0) or images (PNG or JPEG, in the folder itself or in left \
+         and right)",
         path.display()
     )]
     UnknownLayout {
@@ -68,6 +70,16 @@ pub enum DatasetError {
         /// Largest time between the images of a pair, milliseconds.
         tolerance_ms: f64,
     },
+    /// A list of times does not fit the images.
+    #[error("{}: found {found}, expected {n_images} (one per image)", path.display())]
+    TimesOfImages {
+        /// The list.
+        path: PathBuf,
+        /// How many there are.
+        found: String,
+        /// Number of images.
+        n_images: usize,
+    },
     /// A calibration file is no YAML of the expected form.
     #[error("{}:{line}: broken YAML: {message}", path.display())]
     Yaml {
@@ -93,13 +105,18 @@ pub enum DatasetError {
         expected: String,
     },
     /// The cameras of a calibration cannot be rectified.
-    #[error("{}: T_BS: {error}", path.display())]
+    #[error("{}: {field}: {error}", path.display())]
     Rectification {
         /// The calibration file of the right camera.
         path: PathBuf,
+        /// The field with the right camera's place.
+        field: String,
         /// Why.
         error: RectificationError,
     },
+    /// The images do not have the size that they should have.
+    #[error(transparent)]
+    Image(#[from] ImageError),
     /// A text file of the dataset is broken.
     #[error(transparent)]
     File(#[from] FileError),

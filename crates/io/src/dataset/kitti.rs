@@ -6,7 +6,7 @@ use geometry::{SE3, SO3};
 
 use super::calib::{self, KittiCalibration};
 use super::numbered::NumberedImages;
-use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, SequenceKind, folder_name};
+use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
 use crate::file::{FileError, TextFile, counted};
 use crate::trajectory::{StampedPose, Trajectory, check_increasing, read_kitti_poses};
 
@@ -53,6 +53,7 @@ pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, Datase
             left: images.left.path(index),
             right: (images.sensor == Sensor::Stereo).then(|| images.right.path(index)),
             depth: None,
+            packing: Packing::Whole,
         })
         .collect();
     let ground_truth = read_ground_truth(dir, &times_s[..n_frames], camera.as_ref(), &mut warnings)?;
@@ -66,6 +67,7 @@ pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, Datase
         rectification: Vec::new(),
         ground_truth,
         body_from_left: SE3::identity(),
+        frame_rate_hz: None,
         warnings,
     })
 }
@@ -115,7 +117,7 @@ fn choose_images(
 }
 
 /// Reads `times.txt`: a line per frame, seconds, strictly increasing.
-fn read_times(path: &Path) -> Result<Vec<f64>, FileError> {
+pub(super) fn read_times(path: &Path) -> Result<Vec<f64>, FileError> {
     const EXPECTED: &str = "a time in seconds per line";
     let file = TextFile::read(path, EXPECTED)?;
     let mut times_s: Vec<f64> = Vec::new();

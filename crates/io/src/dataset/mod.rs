@@ -2,12 +2,17 @@
 
 mod associate;
 mod calib;
+mod camera_file;
+mod cameras;
 mod error;
 mod euroc;
+mod fields;
+mod image_folder;
 mod kitti;
 mod numbered;
 mod raw;
 mod tum;
+mod video;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -15,11 +20,12 @@ use std::path::{Path, PathBuf};
 use geometry::{Distortion, SE3, StereoRig};
 use serde::{Deserialize, Serialize};
 
-use crate::images::{ImageError, ImageSize, image_size};
+use crate::images::{ImageError, ImageSize, half_size, image_size};
 use crate::trajectory::Trajectory;
 
 pub use error::DatasetError;
 pub use raw::{RawCalibration, RawCamera, RectifiedView};
+pub use video::{Video, open_video};
 
 /// What the camera delivers per frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,6 +48,10 @@ pub enum SequenceKind {
     TumRgbd,
     /// EuRoC (ASL): `mav0/cam0`, `mav0/cam1`.
     Euroc,
+    /// A video or a camera.
+    Video,
+    /// Images in the folder itself or in sub-folders for left and right, with a calibration file.
+    Images,
 }
 
 /// A camera as a dataset describes it.
@@ -53,6 +63,18 @@ pub struct Calibration {
     pub distortion: Distortion,
     /// Where it was read: a path, or the configuration.
     pub source: String,
+}
+
+/// What an image file holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Packing {
+    /// One image.
+    #[default]
+    Whole,
+    /// The left and the right image side by side, of which the left one is used.
+    LeftHalf,
+    /// The left and the right image side by side.
+    BothHalves,
 }
 
 /// The files of one frame.
@@ -69,6 +91,8 @@ pub struct FrameSource {
     pub right: Option<PathBuf>,
     /// Depth image (RGB-D).
     pub depth: Option<PathBuf>,
+    /// What the file `left` holds.
+    pub packing: Packing,
 }
 
 /// A dataset, checked as far as that is possible without reading its images.
@@ -80,7 +104,7 @@ pub struct Sequence {
     pub kind: SequenceKind,
     /// What is taken from it.
     pub sensor: Sensor,
-    /// At least one frame, in order of time.
+    /// At least one frame, in order of time; none of a video or a camera, whose frames come from a stream.
     pub frames: Vec<FrameSource>,
     /// The camera, where the dataset has a calibration file.
     pub calibration: Option<Calibration>,
@@ -94,22 +118,28 @@ pub struct Sequence {
     pub ground_truth: Option<Trajectory>,
     /// Pose of the left camera, after rectification, in the body: `world_from_body = world_from_cam * body_from_left^-1`.
     pub body_from_left: SE3,
+    /// Images per second, where a calibration file says so.
+    pub frame_rate_hz: Option<f64>,
     /// What the user should know about the dataset before the run.
     pub warnings: Vec<String>,
 }
 
 /// How a dataset is opened.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct OpenOptions {
     /// The sensor to use; `None`: the richest that the folder offers.
     pub sensor: Option<Sensor>,
     /// RGB-D: largest time between an image and its depth, seconds (exclusive).
     pub association_tolerance_s: f64,
+    /// Calibration file for a folder of images; `None`: the one in the folder, if there is one.
+    pub calibration: Option<PathBuf>,
+    /// Images per second of a folder of images whose calibration does not tell.
+    pub frame_rate_hz: f64,
 }
 
 impl Default for OpenOptions {
     fn default() -> Self {
-        Self { sensor: None, association_tolerance_s: 0.02 }
+        Self { sensor: None, association_tolerance_s: 0.02, calibration: None, frame_rate_hz: 10.0 }
     }
 }
 
@@ -123,6 +153,20 @@ impl fmt::Display for Sensor {
     }
 }
 
+impl FrameSource {
+    /// Size of the left image, from the header of its file.
+    ///
+    /// # Errors
+    /// [`ImageError`] as far as the header shows it.
+    pub fn image_size(&self) -> Result<ImageSize, ImageError> {
+        let size = image_size(&self.left)?;
+        match self.packing {
+            Packing::Whole => Ok(size),
+            Packing::LeftHalf | Packing::BothHalves => half_size(&self.left, size),
+        }
+    }
+}
+
 impl Sequence {
     /// Size of the sequence's images: that of the first frame whose header can be read, with its frame's position.
     ///
@@ -131,7 +175,7 @@ impl Sequence {
     pub fn image_size(&self) -> Result<(usize, ImageSize), ImageError> {
         let mut first_error = None;
         for (position, frame) in self.frames.iter().enumerate() {
-            match image_size(&frame.left) {
+            match frame.image_size() {
                 Ok(size) => return Ok((position, size)),
                 Err(error) => first_error = first_error.or(Some(error)),
             }
@@ -159,12 +203,16 @@ pub fn open_sequence_with(dir: &Path, options: &OpenOptions) -> Result<Sequence,
     if !dir.is_dir() {
         return Err(DatasetError::NotAFolder { path: dir.to_path_buf() });
     }
-    if dir.join("rgb.txt").exists() {
+    if let Some(file) = options.calibration.clone().or_else(|| camera_file::find(dir)) {
+        image_folder::open(dir, Some(&file), options)
+    } else if dir.join("rgb.txt").exists() {
         tum::open(dir, options)
     } else if kitti::is_kitti(dir) {
         kitti::open(dir, options)
     } else if let Some(root) = euroc::find_root(dir) {
         euroc::open(dir, &root, options)
+    } else if image_folder::has_images(dir) {
+        image_folder::open(dir, None, options)
     } else {
         Err(DatasetError::UnknownLayout { path: dir.to_path_buf() })
     }

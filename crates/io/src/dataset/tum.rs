@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use geometry::SE3;
 
 use super::associate::associate;
-use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, SequenceKind, folder_name};
+use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
 use crate::file::{FileError, TextFile, counted};
 use crate::trajectory::{check_increasing, read_tum};
 
@@ -36,6 +36,7 @@ pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, Datase
                 left: entry.path,
                 right: None,
                 depth: None,
+                packing: Packing::Whole,
             })
             .collect(),
     };
@@ -51,6 +52,7 @@ pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, Datase
         rectification: Vec::new(),
         ground_truth,
         body_from_left: SE3::identity(),
+        frame_rate_hz: None,
         warnings,
     })
 }
@@ -128,6 +130,7 @@ fn pair_frames(
             left: entry.path,
             right: None,
             depth: Some(depth[partner].path.clone()),
+            packing: Packing::Whole,
         })
         .collect())
 }

@@ -55,6 +55,14 @@ pub enum ImageError {
         /// Where the expectation comes from.
         because: String,
     },
+    /// An image that holds two side by side cannot be halved.
+    #[error("{}: found {found} pixels, expected an even width (two images side by side)", path.display())]
+    OddWidth {
+        /// The image file.
+        path: PathBuf,
+        /// Its size.
+        found: ImageSize,
+    },
     /// The image has channels or bits that are not supported for its purpose.
     #[error("{}: found {found}, expected {expected}", path.display())]
     UnsupportedDepth {

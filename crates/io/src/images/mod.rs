@@ -4,16 +4,20 @@ mod decode;
 mod encode;
 mod error;
 mod gray;
+mod halves;
+mod resize;
 
 use std::path::Path;
 
 use geometry::{DepthImage, GrayImage, Raster};
 
-use crate::dataset::FrameSource;
+use crate::dataset::{FrameSource, Packing};
 
 pub use decode::{image_size, load_depth, load_gray, load_rgb};
 pub use encode::{save_png_depth, save_png_gray, save_png_rgb};
 pub use error::{ImageError, ImageSize};
+pub(crate) use halves::half_size;
+pub use resize::{reduce_depth, reduce_gray};
 
 /// An 8-bit colour image, red first.
 pub type Rgb = Raster<[u8; 3]>;
@@ -35,6 +39,15 @@ impl LoadedFrame {
         ImageSize { width: self.left.width, height: self.left.height }
     }
 
+    /// The frame that an image holds, alone or side by side with another one; errors name `path`.
+    ///
+    /// # Errors
+    /// [`ImageError::OddWidth`].
+    pub fn unpacked(image: GrayImage, packing: Packing, path: &Path) -> Result<Self, ImageError> {
+        let (left, right) = halves::take(image, packing, path)?;
+        Ok(Self { left, right, depth: None })
+    }
+
     /// Compares the frame with the size that the whole sequence must have.
     ///
     /// # Errors
@@ -54,10 +67,10 @@ impl LoadedFrame {
 /// # Errors
 /// The first [`ImageError`] met, in the order left, right, depth.
 pub fn load_frame(source: &FrameSource) -> Result<LoadedFrame, ImageError> {
-    let left = load_gray(&source.left)?;
+    let (left, packed_right) = halves::take(load_gray(&source.left)?, source.packing, &source.left)?;
     let expected = ImageSize { width: left.width, height: left.height };
     let because = format!("as {}", source.left.display());
-    let mut right = None;
+    let mut right = packed_right;
     if let Some(path) = &source.right {
         let image = load_gray(path)?;
         check_size(path, ImageSize { width: image.width, height: image.height }, expected, &because)?;

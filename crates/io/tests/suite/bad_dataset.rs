@@ -35,7 +35,7 @@ fn unknown_layout() {
     assert_eq!(
         refused(&Folder::new(), None),
         "DIR: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2), TUM RGB-D \
-         (rgb.txt, depth.txt) or EuRoC (mav0/cam0)"
+         (rgb.txt, depth.txt), EuRoC (mav0/cam0) or images (PNG or JPEG, in the folder itself or in left and right)"
     );
 }
 

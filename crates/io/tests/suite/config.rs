@@ -69,12 +69,21 @@ fn the_file_wins_over_defaults_and_set_wins_over_the_file() {
 
 #[test]
 fn every_type_can_be_set() {
-    let arguments =
-        ["features.subpixel=false", "input.sensor=rgbd", "camera.k1=-1e-3", "stereo.min_depth_m=2"];
+    let arguments = [
+        "features.subpixel=false",
+        "input.sensor=rgbd",
+        "camera.k1=-1e-3",
+        "stereo.min_depth_m=2",
+        "input.mask=my: mask.png",
+    ];
     let config = Config::load(None, &overrides(&arguments)).unwrap();
     assert!(!config.features.subpixel);
     assert_eq!(config.input.sensor, Some(Sensor::Rgbd));
     assert_eq!((config.camera.k1, config.stereo.min_depth_m), (-1e-3, Some(2.0)));
+    assert_eq!(config.input.mask, Some("my: mask.png".into()));
+    let folder = Folder::new();
+    let again = Config::load(Some(&folder.write("c.yaml", config.to_yaml())), &[]).unwrap();
+    assert_eq!(values(&again), values(&config), "a name with a colon is written so that it can be read");
 }
 
 #[test]

@@ -63,6 +63,24 @@ fn tum_association() {
     assert_eq!(load_frame(&sequence.frames[100]).unwrap().size().to_string(), "640x480");
 }
 
+/// Numbered without padding, unrectified, calibrated in XML. The numbers are those of OpenCV's `stereoRectify`, which stops after
+/// five steps of undistortion.
+#[test]
+fn boofcv_library() {
+    let Some(sequence) = open("boofcv_library", None) else { return };
+    assert_eq!((sequence.frames.len(), sequence.sensor), (346, Sensor::Stereo));
+    let name = |i: usize| sequence.frames[i].left.file_name().unwrap().to_string_lossy().into_owned();
+    assert_eq!(
+        [name(0), name(1), name(10), name(345)],
+        ["left1.jpg", "left2.jpg", "left11.jpg", "left346.jpg"]
+    );
+    let rig = sequence.calibration.unwrap().rig;
+    let found = [rig.camera.fx, rig.camera.cx, rig.camera.cy, rig.camera.fx * rig.baseline_m];
+    for (found, expected) in found.iter().zip([247.2163658, 158.7045002, 124.4748802, 29.67846906]) {
+        assert!((found / expected - 1.0f64).abs() < 1e-4, "{found} {expected}");
+    }
+}
+
 #[test]
 fn euroc() {
     let Some(sequence) = open("euroc_MH01_200", None) else { return };

@@ -31,6 +31,15 @@ pub(super) fn sensor_yaml(x_m: f64) -> String {
     )
 }
 
+/// Our calibration file of one or two cameras of 40x20 pixels, 0.25 m apart; one field a line.
+pub(super) fn calibration_yaml(n_cameras: usize) -> String {
+    let camera = "  - model: pinhole-radtan\n    resolution: [40, 20]\n    intrinsics: [30.0, 31.0, 19.0, 9.5]\n    \
+                  distortion: [-0.1, 0.01, 0.001, 0.002]\n";
+    let motion = "right_from_left:\n  - [1, 0, 0, -0.25]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n";
+    let motion = if n_cameras == 2 { motion } else { "" };
+    format!("fps: 25\ncameras:\n{}{motion}", camera.repeat(n_cameras))
+}
+
 /// A folder that vanishes with the test.
 pub(super) struct Folder(TempDir);
 

@@ -35,7 +35,7 @@ fn colour_without_depth_is_left_out() {
 fn the_tolerance_can_be_set() {
     let folder = Folder::tum();
     let open = |association_tolerance_s| {
-        let options = OpenOptions { sensor: None, association_tolerance_s };
+        let options = OpenOptions { association_tolerance_s, ..OpenOptions::default() };
         open_sequence_with(folder.path(), &options)
     };
     assert_eq!(open(0.006).unwrap().frames.len(), 3);

@@ -2,13 +2,11 @@
 
 mod calibration;
 mod images;
-mod sensor;
 
 use std::path::{Path, PathBuf};
 
-use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, SequenceKind, folder_name};
+use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
 use crate::trajectory::read_euroc;
-use calibration::Cameras;
 use images::{Image, ImageList};
 
 /// The folder with the cameras' folders: `dir/mav0` or `dir` itself; `None` when this is no EuRoC sequence.
@@ -31,7 +29,7 @@ pub(super) fn open(dir: &Path, root: &Path, options: &OpenOptions) -> Result<Seq
         _ => left.images.iter().zip(0..).map(|(left, index)| frame(index, left, None)).collect(),
     };
     left.warn_of_missing(&mut warnings)?;
-    let cameras = Cameras::read(root, sensor, &mut warnings)?;
+    let cameras = calibration::read(root, sensor, &mut warnings)?;
     let truth = root.join("state_groundtruth_estimate0/data.csv");
     Ok(Sequence {
         name: sequence_name(dir),
@@ -43,6 +41,7 @@ pub(super) fn open(dir: &Path, root: &Path, options: &OpenOptions) -> Result<Seq
         rectification: cameras.views,
         ground_truth: if truth.is_file() { Some(read_euroc(&truth)?) } else { None },
         body_from_left: cameras.body_from_left,
+        frame_rate_hz: None,
         warnings,
     })
 }
@@ -54,6 +53,7 @@ fn frame(index: u32, left: &Image, right: Option<&Image>) -> FrameSource {
         left: left.path.clone(),
         right: right.map(|image| image.path.clone()),
         depth: None,
+        packing: Packing::Whole,
     }
 }
 

@@ -1,0 +1,141 @@
+//! Videos and cameras: `.y4m` files are read as they are, everything else through a program that decodes it into a pipe.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use anyhow::{Context, Result, anyhow, bail};
+use io::{OpenOptions, Sequence, Video, VideoReader, open_video};
+
+/// The program that comes with DSSLAM (`./install.sh --video`); it is looked for beside this one, then in the PATH.
+const HELPER: &str = "dsslam-video";
+/// What is taken where it is missing.
+const FFMPEG: &str = "ffmpeg";
+
+/// A stream of frames, and the program that writes it.
+pub(crate) struct Stream {
+    /// Takes the frames.
+    pub(crate) reader: VideoReader<Box<dyn BufRead + Send>>,
+    decoder: Option<Child>,
+}
+
+/// A video or a camera that has been opened.
+pub(crate) struct Opened {
+    /// Cameras and sensor.
+    pub(crate) video: Video,
+    /// File or device.
+    pub(crate) path: PathBuf,
+    /// Frames that have not been read yet.
+    pub(crate) stream: Stream,
+    /// Frames per second, for frames that do not tell their time.
+    pub(crate) frame_rate_hz: f64,
+}
+
+/// Whether a path is that of a device such as `/dev/video0`.
+pub(crate) fn is_camera(path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        std::fs::metadata(path).is_ok_and(|data| data.file_type().is_char_device())
+    }
+    #[cfg(not(unix))]
+    false
+}
+
+impl Opened {
+    /// Opens a video file or a camera.
+    ///
+    /// # Errors
+    /// A file that is no video, a missing decoder, a calibration that does not fit.
+    pub(crate) fn new(path: &Path, options: &OpenOptions) -> Result<Self> {
+        let stream = Stream::open(path)?;
+        let header = stream.reader.header().clone();
+        let mut video = open_video(path, header.size, options)?;
+        let rate = header.frame_rate_hz.or(video.sequence.frame_rate_hz);
+        video.sequence.frame_rate_hz = rate;
+        let frame_rate_hz = rate.unwrap_or(options.frame_rate_hz);
+        Ok(Self { video, path: path.to_path_buf(), stream, frame_rate_hz })
+    }
+
+    /// Cameras and sensor.
+    pub(crate) fn sequence(&self) -> &Sequence {
+        &self.video.sequence
+    }
+}
+
+impl Stream {
+    /// Starts to read a file or a camera.
+    ///
+    /// # Errors
+    /// A file that cannot be read, that is no video, or a missing decoder.
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        let is_raw = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("y4m"));
+        let file = File::open(path).with_context(|| format!("{name}: cannot be read"))?;
+        if is_raw {
+            let stream: Box<dyn BufRead + Send> = Box::new(BufReader::new(file));
+            return Ok(Self { reader: VideoReader::new(stream, &name)?, decoder: None });
+        }
+        drop(file);
+        let (program, mut command) = decoder(path)?;
+        // In a process group of its own: Ctrl-C is for this program, which then ends the decoder.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let started = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        let mut child = started.with_context(|| format!("{}: cannot be started", program.display()))?;
+        let Some(pipe) = child.stdout.take() else { bail!("{}: has no output", program.display()) };
+        let stream: Box<dyn BufRead + Send> = Box::new(BufReader::with_capacity(1 << 16, pipe));
+        match VideoReader::new(stream, &name) {
+            Ok(reader) => Ok(Self { reader, decoder: Some(child) }),
+            Err(error) => {
+                end(&mut child);
+                Err(anyhow!(error).context(format!("{} cannot decode it", program.display())))
+            }
+        }
+    }
+}
+
+/// A decoder whose frames nobody wants any more is ended.
+impl Drop for Stream {
+    fn drop(&mut self) {
+        self.decoder.iter_mut().for_each(end);
+    }
+}
+
+/// Ends a program and waits until it is gone; one that has ended by itself stays so.
+fn end(child: &mut Child) {
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+/// The program that decodes a file, with its arguments.
+fn decoder(path: &Path) -> Result<(PathBuf, Command)> {
+    if let Some(program) = find_program(HELPER) {
+        let mut command = Command::new(&program);
+        command.arg(path);
+        return Ok((program, command));
+    }
+    let Some(program) = find_program(FFMPEG) else {
+        bail!(
+            "{}: only .y4m videos can be read without a decoder; found neither {HELPER} (./install.sh --video) nor \
+             {FFMPEG} in the PATH",
+            path.display()
+        );
+    };
+    let mut command = Command::new(&program);
+    command.args(["-v", "error", "-nostdin"]);
+    if is_camera(path) {
+        command.args(["-f", "v4l2"]);
+    }
+    command.arg("-i").arg(path).args(["-f", "yuv4mpegpipe", "-pix_fmt", "gray", "-strict", "-1", "-"]);
+    Ok((program, command))
+}
+
+/// A program beside this one, or in the PATH.
+fn find_program(name: &str) -> Option<PathBuf> {
+    let beside = std::env::current_exe().ok().and_then(|exe| exe.parent().map(Path::to_path_buf));
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let folders = beside.into_iter().chain(std::env::split_paths(&path));
+    folders.map(|folder| folder.join(name)).find(|program| program.is_file())
+}

@@ -1,0 +1,132 @@
+//! Frames of a video or a camera as a run takes them: one after another, from a stream.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use geometry::GrayImage;
+use io::{LoadedFrame, Packing};
+use runtime::{FrameFeed, FrameInfo, Preparation};
+
+use crate::video::{Opened, Stream};
+
+/// The frames of an opened video.
+pub(crate) struct VideoFeed {
+    path: PathBuf,
+    packing: Packing,
+    preparation: Preparation,
+    frame_rate_hz: f64,
+    max_frames: Option<usize>,
+    state: Mutex<State>,
+}
+
+/// How far the stream has been read.
+struct State {
+    stream: Stream,
+    /// Number and image of the frame read last, until it is taken.
+    held: Option<(usize, GrayImage)>,
+    /// Times of all frames read so far, seconds.
+    times_s: Vec<f64>,
+    /// Frames read from this stream.
+    n_read: usize,
+    has_ended: bool,
+    remark: Option<String>,
+}
+
+impl VideoFeed {
+    /// The frames of a video, or the first `max_frames`.
+    pub(crate) fn new(opened: Opened, preparation: Preparation, max_frames: Option<usize>) -> Self {
+        let Opened { video, path, stream, frame_rate_hz } = opened;
+        let state =
+            State { stream, held: None, times_s: Vec::new(), n_read: 0, has_ended: false, remark: None };
+        Self {
+            path,
+            packing: video.packing,
+            preparation,
+            frame_rate_hz,
+            max_frames,
+            state: Mutex::new(state),
+        }
+    }
+
+    /// The state with the stream read up to the `i`-th frame.
+    fn at(&self, i: usize) -> MutexGuard<'_, State> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if i < state.n_read && state.held.as_ref().is_none_or(|(held, _)| *held != i) {
+            state.restart(&self.path);
+        }
+        while state.n_read <= i && !state.has_ended {
+            state.read(self.frame_rate_hz);
+        }
+        state
+    }
+}
+
+impl State {
+    /// Begins with the first frame again, as a calibration pass makes necessary.
+    fn restart(&mut self, path: &PathBuf) {
+        match Stream::open(path) {
+            Ok(stream) => {
+                (self.stream, self.held, self.n_read, self.has_ended) = (stream, None, 0, false);
+            }
+            Err(error) => {
+                self.has_ended = true;
+                self.remark = Some(format!("{}: cannot be read again: {error:#}", path.display()));
+            }
+        }
+    }
+
+    fn read(&mut self, frame_rate_hz: f64) {
+        let n = self.n_read;
+        self.held = None;
+        match self.stream.reader.next_frame() {
+            Ok(Some(frame)) => {
+                let time_s = frame.timestamp_s.unwrap_or(n as f64 / frame_rate_hz);
+                // A second pass gives the same times.
+                if n == self.times_s.len() {
+                    self.times_s.push(time_s);
+                }
+                self.held = Some((n, frame.image));
+                self.n_read += 1;
+            }
+            Ok(None) => self.has_ended = true,
+            Err(error) => {
+                self.has_ended = true;
+                self.remark = Some(format!("{error}; the {n} frames before it were used"));
+            }
+        }
+    }
+}
+
+impl FrameFeed for VideoFeed {
+    fn len(&self) -> usize {
+        self.max_frames.unwrap_or(usize::MAX)
+    }
+
+    fn ends_before(&self, i: usize) -> bool {
+        self.at(i).held.as_ref().is_none_or(|(held, _)| *held != i)
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.remark.clone().into_iter().collect()
+    }
+
+    fn info(&self, i: usize) -> FrameInfo {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let time_s = state.times_s.get(i).copied();
+        FrameInfo {
+            index: u32::try_from(i).unwrap_or(u32::MAX),
+            timestamp_s: time_s.unwrap_or(i as f64 / self.frame_rate_hz),
+        }
+    }
+
+    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+        let held = self.at(i).held.take();
+        let Some((_, image)) = held.filter(|(held, _)| *held == i) else {
+            return Err(format!("{}: has ended before frame {i}", self.path.display()));
+        };
+        let frame =
+            LoadedFrame::unpacked(image, self.packing, &self.path).map_err(|error| error.to_string())?;
+        self.preparation.apply(frame, &self.path)
+    }
+}

@@ -1,0 +1,130 @@
+//! What the raw cameras of a sequence are after rectification.
+
+use std::path::{Path, PathBuf};
+
+use geometry::{
+    CameraModel, Distortion, RectificationError, SE3, SO3, StereoRectification, StereoRig, rectify_single,
+    rectify_stereo,
+};
+
+use super::{Calibration, DatasetError, RawCalibration, RawCamera, RectifiedView};
+
+/// The calibration of a sequence, raw and rectified.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Cameras {
+    pub(super) calibration: Option<Calibration>,
+    pub(super) raw: Option<RawCalibration>,
+    pub(super) views: Vec<RectifiedView>,
+    /// Pose of the left camera, after rectification, in the body.
+    pub(super) body_from_left: SE3,
+}
+
+/// Where a calibration was read: the files and fields that errors name.
+pub(super) struct Origin<'a> {
+    /// File of the left camera.
+    pub(super) left: &'a Path,
+    /// File of the right camera.
+    pub(super) right: &'a Path,
+    /// Field of the right camera's image size.
+    pub(super) size_field: &'a str,
+    /// Field of the right camera's place.
+    pub(super) pose_field: &'a str,
+}
+
+impl Cameras {
+    /// Two cameras turned so that the images of a point lie on one row.
+    ///
+    /// # Errors
+    /// [`DatasetError`] for cameras of different sizes and for such that are no stereo rig.
+    pub(super) fn of_pair(
+        left: RawCamera,
+        right: RawCamera,
+        origin: &Origin<'_>,
+    ) -> Result<Self, DatasetError> {
+        let source = origin.left.display().to_string();
+        if left.size != right.size {
+            return Err(DatasetError::Field {
+                path: origin.right.to_path_buf(),
+                line: String::new(),
+                field: origin.size_field.to_string(),
+                found: right.size.to_string(),
+                expected: format!("{} as in {source}", left.size),
+            });
+        }
+        if let Some(rig) = rectified_already(&left, &right) {
+            return Ok(Self {
+                calibration: Some(Calibration {
+                    rig,
+                    distortion: Distortion::default(),
+                    source: source.clone(),
+                }),
+                body_from_left: left.body_from_cam,
+                raw: Some(RawCalibration { cameras: vec![left, right], source }),
+                views: Vec::new(),
+            });
+        }
+        let size = (left.size.width, left.size.height);
+        let right_from_left = right.body_from_cam.inverse() * left.body_from_cam;
+        let refused = |error| failure(origin.right, origin.pose_field, error);
+        let StereoRectification { rectified_from_left, rectified_from_right, rig } =
+            rectify_stereo(&left.model, &right.model, size, &right_from_left).map_err(refused)?;
+        let body_from_left = left.body_from_cam * turn(&rectified_from_left).inverse();
+        let views = vec![view(&left, rectified_from_left), view(&right, rectified_from_right)];
+        Ok(Self {
+            calibration: Some(Calibration { rig, distortion: Distortion::default(), source: source.clone() }),
+            raw: Some(RawCalibration { cameras: vec![left, right], source }),
+            views,
+            body_from_left,
+        })
+    }
+
+    /// One camera: key-points of a pinhole are undistorted one by one; the image of a fisheye is drawn anew.
+    ///
+    /// # Errors
+    /// [`DatasetError`] for a fisheye that does not see along its axis.
+    pub(super) fn of_one(camera: RawCamera, file: &Path) -> Result<Self, DatasetError> {
+        let (pinhole, distortion, views) = match camera.model {
+            CameraModel::Pinhole { camera: pinhole, distortion } => (pinhole, distortion, Vec::new()),
+            CameraModel::KannalaBrandt(_) => {
+                let size = (camera.size.width, camera.size.height);
+                let new = rectify_single(&camera.model, size)
+                    .map_err(|error| failure(file, "intrinsics", error))?;
+                (new, Distortion::default(), vec![view(&camera, SO3::identity())])
+            }
+        };
+        let rig = StereoRig { camera: pinhole, baseline_m: 0.0 };
+        let source = file.display().to_string();
+        Ok(Self {
+            calibration: Some(Calibration { rig, distortion, source: source.clone() }),
+            body_from_left: camera.body_from_cam,
+            raw: Some(RawCalibration { cameras: vec![camera], source }),
+            views,
+        })
+    }
+}
+
+/// The rig of two equal ideal pinholes of which the right one stands exactly to the right: their images are used as they are.
+fn rectified_already(left: &RawCamera, right: &RawCamera) -> Option<StereoRig> {
+    let CameraModel::Pinhole { camera, distortion } = left.model else { return None };
+    let right_from_left = right.body_from_cam.inverse() * left.body_from_cam;
+    let along_x = right_from_left.translation;
+    let is_rig = left.model == right.model
+        && distortion.is_zero()
+        && right_from_left.rotation == SO3::identity()
+        && along_x.x < 0.0
+        && along_x.y == 0.0
+        && along_x.z == 0.0;
+    is_rig.then_some(StereoRig { camera, baseline_m: -along_x.x })
+}
+
+fn failure(path: &Path, field: &str, error: RectificationError) -> DatasetError {
+    DatasetError::Rectification { path: PathBuf::from(path), field: field.to_string(), error }
+}
+
+fn turn(rotation: &SO3) -> SE3 {
+    SE3::new(*rotation, geometry::Vec3::zeros())
+}
+
+fn view(camera: &RawCamera, rectified_from_cam: SO3) -> RectifiedView {
+    RectifiedView { model: camera.model, rectified_from_cam, size: camera.size }
+}

@@ -1,0 +1,67 @@
+//! Videos and cameras as datasets: what is used of their frames. The frames themselves come from a stream.
+
+use std::path::Path;
+
+use super::cameras::Cameras;
+use super::image_folder::{Pictures, choose};
+use super::{DatasetError, OpenOptions, Packing, Sensor, Sequence, SequenceKind, camera_file, folder_name};
+use crate::images::{ImageError, ImageSize, half_size};
+
+/// What is known of a video or a camera before its first frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Video {
+    /// Cameras and sensor; its list of frames is empty.
+    pub sequence: Sequence,
+    /// What a frame holds.
+    pub packing: Packing,
+    /// Size of the image of one camera.
+    pub size: ImageSize,
+}
+
+/// A video whose frames have this size, with the calibration file of `options`.
+///
+/// # Errors
+/// [`DatasetError`] for a broken calibration file, one that does not fit the frames, or a sensor that the video does not have.
+pub fn open_video(path: &Path, frame: ImageSize, options: &OpenOptions) -> Result<Video, DatasetError> {
+    let mut warnings = Vec::new();
+    let file = options.calibration.as_deref().map(camera_file::read).transpose()?;
+    if file.is_none() {
+        warnings.push(format!(
+            "{}: no calibration file (--calib), so the configuration must give the camera",
+            path.display()
+        ));
+    }
+    let pictures = Pictures { place: path, size: Some(frame), in_two_folders: false };
+    let (sensor, packing) = choose(&pictures, file.as_ref(), options.sensor, &mut warnings)?;
+    let size = match packing {
+        Packing::Whole => frame,
+        Packing::LeftHalf | Packing::BothHalves => half_size(path, frame)?,
+    };
+    let expected = file.as_ref().and_then(|file| Some((file.cameras.first()?.size, file.source())));
+    if let Some((expected, source)) = expected.filter(|(expected, _)| *expected != size) {
+        let because = match sensor {
+            Sensor::Stereo => format!("left and right side by side, each {expected} as in {source}"),
+            _ => format!("resolution in {source}"),
+        };
+        let width = if sensor == Sensor::Stereo { 2 * expected.width } else { expected.width };
+        let expected = ImageSize { width, ..expected };
+        return Err(
+            ImageError::WrongSize { path: path.to_path_buf(), found: frame, expected, because }.into()
+        );
+    }
+    let cameras = file.as_ref().map_or(Ok(Cameras::default()), |file| file.cameras(sensor))?;
+    let sequence = Sequence {
+        name: path.file_stem().map_or_else(|| folder_name(path), |stem| stem.to_string_lossy().into_owned()),
+        kind: SequenceKind::Video,
+        sensor,
+        frames: Vec::new(),
+        calibration: cameras.calibration,
+        raw_calibration: cameras.raw,
+        rectification: cameras.views,
+        ground_truth: None,
+        body_from_left: cameras.body_from_left,
+        frame_rate_hz: file.as_ref().and_then(|file| file.frame_rate_hz),
+        warnings,
+    };
+    Ok(Video { sequence, packing, size })
+}

@@ -1,0 +1,146 @@
+//! Writes a world in EuRoC's layout: raw, unrectified images of two cameras with lenses, and the poses of a body.
+
+use crate::lens::{Lens, LensCamera};
+use crate::world::{FRAME_RATE_HZ, World};
+use crate::write::{Continue, Progress, WriteError, write_text};
+use geometry::{CameraModel, Distortion, KannalaBrandt, SE3, SO3, Vec3};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Time of the first frame, nanoseconds since 1970.
+const START_NS: u64 = 1_400_000_000_000_000_000;
+
+/// Pose of the drive's left camera in the body: the body's x points forward, y to the left, z up.
+#[must_use]
+fn body_from_rig() -> SE3 {
+    let axes = geometry::Mat3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
+    SE3::new(SO3::from_matrix(&axes), Vec3::new(0.12, 0.25, -0.04))
+}
+
+/// Writes `mav0/cam0`, `mav0/cam1` (each with `data.csv`, `sensor.yaml` and `data/`) and `mav0/state_groundtruth_estimate0/data.csv` into
+/// `out_dir` (created if missing), at most `max_frames` frames. `progress` hears of every frame and may stop the writing. Returns the
+/// number of frames written.
+///
+/// # Errors
+/// When a folder or file cannot be written; the message names it.
+pub fn write_euroc(
+    world: &World,
+    out_dir: &Path,
+    lens: Lens,
+    max_frames: Option<usize>,
+    progress: &mut dyn FnMut(Progress) -> Continue,
+) -> Result<usize, WriteError> {
+    let total = max_frames.map_or(world.n_frames(), |n| n.min(world.n_frames()));
+    let root = out_dir.join("mav0");
+    let folders = ["cam0", "cam1"].map(|name| root.join(name));
+    let truth = root.join("state_groundtruth_estimate0");
+    for path in folders.iter().map(|folder| folder.join("data")).chain([truth.clone()]) {
+        std::fs::create_dir_all(&path).map_err(|source| WriteError::Folder { path, source })?;
+    }
+    let cameras = lens.cameras();
+    for (camera, folder) in cameras.iter().zip(&folders) {
+        write_text(&folder.join("sensor.yaml"), &sensor_yaml(camera))?;
+    }
+    let rig = world.lens_rig(&cameras);
+    let mut done = 0;
+    while done < total {
+        let images = rig.images(done);
+        let save = |i: usize| {
+            io::save_png_gray(&folders[i].join("data").join(format!("{}.png", stamp(done))), &images[i])
+        };
+        let (left, right) = rayon::join(|| save(0), || save(1));
+        left.and(right)?;
+        done += 1;
+        if progress(Progress { done, total }) == Continue::No {
+            break;
+        }
+    }
+    for folder in &folders {
+        write_text(&folder.join("data.csv"), &image_list(done))?;
+    }
+    write_text(&truth.join("data.csv"), &poses(world, done))?;
+    Ok(done)
+}
+
+/// Nanoseconds of a frame.
+fn stamp(i: usize) -> u64 {
+    START_NS + i as u64 * (1e9 / FRAME_RATE_HZ) as u64
+}
+
+fn image_list(n: usize) -> String {
+    let rows: Vec<String> = (0..n).map(stamp).map(|ns| format!("{ns},{ns}.png\n")).collect();
+    format!("#timestamp [ns],filename\n{}", rows.concat())
+}
+
+/// Position, quaternion (w first) and, as zeros, velocity and biases.
+fn poses(world: &World, n: usize) -> String {
+    let mut text = String::from(
+        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v, b_w, b_a\n",
+    );
+    let rig_from_body = body_from_rig().inverse();
+    for i in 0..n {
+        let world_from_body = world.world_from_cam(i) * rig_from_body;
+        let [p, q] =
+            [world_from_body.translation.as_slice(), &quaternion(&world_from_body.rotation)].map(joined);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{},{p},{q},0,0,0,0,0,0,0,0,0", stamp(i));
+    }
+    text
+}
+
+/// w, x, y, z of a rotation (Shepperd's method through the rotation vector).
+fn quaternion(rotation: &SO3) -> [f64; 4] {
+    let vector = rotation.log();
+    let half = vector.norm() / 2.0;
+    // sin(a/2) / a goes to 1/2.
+    let factor = if half > 1e-9 { half.sin() / (2.0 * half) } else { 0.5 };
+    [half.cos(), factor * vector.x, factor * vector.y, factor * vector.z]
+}
+
+fn joined(values: &[f64]) -> String {
+    values.iter().map(|v| format!("{v:.12}")).collect::<Vec<_>>().join(",")
+}
+
+fn sensor_yaml(camera: &LensCamera) -> String {
+    let m = (body_from_rig() * camera.rig_from_cam).matrix();
+    let rows: Vec<String> =
+        (0..4).map(|r| (0..4).map(|c| format!("{:.12}", m[(r, c)])).collect::<Vec<_>>().join(", ")).collect();
+    let pinhole = camera.model.pinhole();
+    let (model, coefficients) = match camera.model {
+        CameraModel::Pinhole { distortion: Distortion { k1, k2, p1, p2, .. }, .. } => {
+            ("radial-tangential", [k1, k2, p1, p2])
+        }
+        CameraModel::KannalaBrandt(KannalaBrandt { k1, k2, k3, k4, .. }) => ("equidistant", [k1, k2, k3, k4]),
+    };
+    format!(
+        "# a rendered camera\nsensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [{}]\nrate_hz: {FRAME_RATE_HZ}\n\
+         resolution: [{}, {}]\ncamera_model: pinhole\nintrinsics: [{}, {}, {}, {}]\ndistortion_model: {model}\n\
+         distortion_coefficients: {coefficients:?}\n",
+        rows.join(",\n         "),
+        camera.size.0,
+        camera.size.1,
+        pinhole.fx,
+        pinhole.fy,
+        pinhole.cx,
+        pinhole.cy
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quaternions_turn_as_their_rotation_does() {
+        for vector in [Vec3::zeros(), Vec3::new(0.3, -0.2, 2.5), Vec3::new(1e-12, 0.0, 0.0)] {
+            let rotation = SO3::exp(&vector);
+            let [w, x, y, z] = quaternion(&rotation);
+            let q = geometry::Vec4::new(w, x, y, z);
+            assert!((q.norm() - 1.0).abs() < 1e-12);
+            // The first column of the rotation matrix.
+            let column =
+                Vec3::new(w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z), 2.0 * (x * z - w * y));
+            assert!((rotation.matrix() * Vec3::x() - column).norm() < 1e-12);
+        }
+    }
+}
