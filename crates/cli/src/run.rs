@@ -10,6 +10,7 @@ use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::job::{self, Job};
+use crate::network;
 use crate::places;
 use crate::results::ResultsFolder;
 use crate::setup;
@@ -30,6 +31,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     }
     let size = setup::image_size(&sequence, &config).or_input()?;
     let mut setup = setup::from_config(&config, sequence.sensor, size, &args.sequence).or_input()?;
+    setup.selection = network::selection(&config.features, &args.network).or_input()?;
     places::complete(&mut setup, args, sequence.sensor)?;
     let replay = places::journal(args).or_input()?;
     let extras = places::extras(args).or_output()?;

@@ -10,8 +10,9 @@ mod images;
 mod trajectory;
 
 pub use config::{
-    CameraError, CameraSettings, Config, ConfigErrors, FeatureSettings, InputSettings, LoopSettings,
-    MappingSettings, Problem, Provenance, RuntimeSettings, StereoSettings, TrackingSettings,
+    CameraError, CameraSettings, Config, ConfigErrors, FeatureSelection, FeatureSettings, FeatureSpread,
+    InputSettings, LoopSettings, MappingSettings, Problem, Provenance, RuntimeSettings, StereoSettings,
+    TrackingSettings, WeightSettings,
     schema::{Entry, Kind, Literal, Range},
     table::SCHEMA,
 };

@@ -7,6 +7,7 @@ use io::LoadedFrame;
 
 use crate::feed::FrameInfo;
 use crate::fetch::Fetched;
+use crate::selection::Selection;
 use crate::setup::{Sensor, Setup};
 use crate::timings::Stopwatch;
 
@@ -22,7 +23,8 @@ pub(crate) struct Extracted {
 /// The stage that extracts features.
 pub(crate) struct ExtractStage<'a> {
     setup: &'a Setup,
-    builder: FrameBuilder,
+    /// Why there is no builder: the network cannot be opened.
+    builder: Result<FrameBuilder, String>,
 }
 
 impl<'a> ExtractStage<'a> {
@@ -32,8 +34,15 @@ impl<'a> ExtractStage<'a> {
             setup.extractor.clone(),
             setup.stereo.clone(),
             setup.depth.clone(),
-        );
-        ExtractStage { setup, builder: builder.with_disparity_offset(disparity_offset_px) }
+        )
+        .with_disparity_offset(disparity_offset_px);
+        let builder = match &setup.selection {
+            None => Ok(builder),
+            Some(Selection { config, source }) => {
+                source.open().map(|source| builder.with_selection(*config, source))
+            }
+        };
+        ExtractStage { setup, builder }
     }
 
     /// Makes a frame of images.
@@ -41,8 +50,9 @@ impl<'a> ExtractStage<'a> {
         let Fetched { n, info, images, decode_ms } = fetched;
         let mut watch = Stopwatch::new(info.index);
         watch.add("decode", decode_ms);
-        let frame = images.and_then(|images| usable(images, self.setup)).map(|images| {
-            watch.time("extract", |_| Arc::new(build(&mut self.builder, self.setup.sensor, info, &images)))
+        let frame = images.and_then(|images| usable(images, self.setup)).and_then(|images| {
+            let builder = self.builder.as_mut().map_err(|reason| reason.clone())?;
+            watch.time("extract", |_| build(builder, self.setup.sensor, info, &images)).map(Arc::new)
         });
         Extracted { n, info, frame, watch }
     }
@@ -75,7 +85,12 @@ fn usable(images: LoadedFrame, setup: &Setup) -> Result<LoadedFrame, String> {
     Ok(images)
 }
 
-fn build(builder: &mut FrameBuilder, sensor: Sensor, info: FrameInfo, images: &LoadedFrame) -> Frame {
+fn build(
+    builder: &mut FrameBuilder,
+    sensor: Sensor,
+    info: FrameInfo,
+    images: &LoadedFrame,
+) -> Result<Frame, String> {
     match (sensor, &images.right, &images.depth) {
         (Sensor::Stereo, Some(right), _) => builder.stereo(info.index, info.timestamp_s, &images.left, right),
         (Sensor::Rgbd, _, Some(depth)) => builder.rgbd(info.index, info.timestamp_s, &images.left, depth),

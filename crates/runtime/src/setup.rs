@@ -5,11 +5,12 @@ use std::sync::Arc;
 use bow::Vocabulary;
 use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
 use map::Map;
-use slam::{Params, World};
+use slam::{Params, Places, World};
 
 use crate::faults::Faults;
 use crate::fingerprint::Fingerprint;
 use crate::rule::Rule;
+use crate::selection::Selection;
 
 /// Which images a frame has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +48,8 @@ pub struct Setup {
     pub rig: Arc<Rig>,
     /// Feature extraction.
     pub extractor: ExtractorConfig,
+    /// How features are chosen among what is extracted; without it all are kept.
+    pub selection: Option<Selection>,
     /// Stereo association.
     pub stereo: StereoConfig,
     /// Added to every disparity: a known error of the stereo calibration, pixels.
@@ -79,6 +82,7 @@ impl Setup {
             sensor,
             rig,
             extractor: ExtractorConfig::default(),
+            selection: None,
             stereo: StereoConfig::default(),
             disparity_offset_px: 0.0,
             calibration_frames: 0,
@@ -99,9 +103,10 @@ impl Setup {
 
     /// The world that a run begins with.
     pub(crate) fn world(&self) -> World {
+        let places = Places::new(self.vocabulary.clone()).weighted(self.slam.weights.words);
         match &self.start {
-            None => World::new(self.vocabulary.clone()),
-            Some(map) => World::from_map(map.clone(), self.vocabulary.clone()),
+            None => World { map: Map::new(), places },
+            Some(map) => World { places: places.with_map(map), map: map.clone() },
         }
     }
 
@@ -110,6 +115,8 @@ impl Setup {
         let mut print = Fingerprint::default();
         print.add(format!("{:?}", (self.sensor, &self.rig, &self.extractor, &self.stereo)).as_bytes());
         print.add(format!("{:?}", (&self.depth, &self.slam)).as_bytes());
+        let selection = self.selection.as_ref().map(|s| (s.config, s.source.identity()));
+        print.add(format!("{selection:?}").as_bytes());
         print.add(self.vocabulary.as_ref().map_or(&[][..], |vocabulary| vocabulary.as_bytes()));
         print.add(&self.start.as_ref().map_or(0, Map::digest).to_le_bytes());
         print.value()

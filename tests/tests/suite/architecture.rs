@@ -10,6 +10,7 @@ use crate::root;
 const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/geometry", &[]),
     ("crates/features", &["geometry"]),
+    ("crates/dsfeat", &["geometry", "features"]),
     ("crates/optim", &["geometry"]),
     ("crates/io", &["geometry"]),
     ("crates/bow", &["geometry", "features"]),
@@ -20,7 +21,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("eval", &["geometry", "io"]),
     (
         "crates/cli",
-        &["geometry", "features", "optim", "map", "slam", "runtime", "io", "bow", "synth", "eval"],
+        &["geometry", "features", "dsfeat", "optim", "map", "slam", "runtime", "io", "bow", "synth", "eval"],
     ),
     ("crates/cv", &["geometry"]),
     ("tests", &[]),
@@ -33,6 +34,7 @@ const HEAVY: &[(&str, &str)] = &[
     ("crossbeam", "crates/runtime"),
     ("faer", "crates/optim"),
     ("clarabel", "crates/optim"),
+    ("ort", "crates/dsfeat"),
 ];
 
 /// The longest a source file may be, lines.

@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 pub use camera::CameraError;
 pub use problem::{ConfigErrors, Problem, Provenance};
 pub use settings::{
-    CameraSettings, FeatureSettings, InputSettings, LoopSettings, MappingSettings, RuntimeSettings,
-    StereoSettings, TrackingSettings,
+    CameraSettings, FeatureSelection, FeatureSettings, FeatureSpread, InputSettings, LoopSettings,
+    MappingSettings, RuntimeSettings, StereoSettings, TrackingSettings, WeightSettings,
 };
 
 /// A complete, checked configuration. [`crate::SCHEMA`] documents its keys.
@@ -34,6 +34,8 @@ pub struct Config {
     pub input: InputSettings,
     /// Keypoints.
     pub features: FeatureSettings,
+    /// Where the activation of features counts.
+    pub weights: WeightSettings,
     /// Depth from two images.
     pub stereo: StereoSettings,
     /// Poses of frames.
