@@ -93,16 +93,18 @@ impl fmt::Debug for Network {
 /// A model as ONNX Runtime runs it, with settings under which the same input gives the same bits.
 pub(crate) fn session(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Session, Error> {
     let environment = library::environment(library)?;
-    let bad = |error: ort::Error| Error::BadModel(error.to_string());
     Session::builder(&environment)
-        .map_err(bad)?
+        .map_err(|error| Error::BadModel(error.to_string()))?
         .with_optimization_level(GraphOptimizationLevel::All)
-        .and_then(|builder| builder.with_intra_threads(threads.max(1)))
-        .and_then(|builder| builder.with_intra_op_spinning(false))
-        .and_then(|builder| builder.with_deterministic_compute(true))
-        .map_err(|error| bad(error.into()))?
+        .map_err(|error| Error::BadModel(error.to_string()))?
+        .with_intra_threads(threads.max(1))
+        .map_err(|error| Error::BadModel(error.to_string()))?
+        .with_intra_op_spinning(false)
+        .map_err(|error| Error::BadModel(error.to_string()))?
+        .with_deterministic_compute(true)
+        .map_err(|error| Error::BadModel(error.to_string()))?
         .commit_from_memory(model)
-        .map_err(bad)
+        .map_err(|error| Error::BadModel(error.to_string()))
 }
 
 /// Width and height of an input of shape 1 x 1 x height x width.
