@@ -20,7 +20,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-echo "[1/3] a C linker"
+echo "[1/4] a C linker"
 if command -v cc >/dev/null 2>&1; then
   echo "      there: $(command -v cc)"
 elif command -v apt-get >/dev/null 2>&1; then
@@ -32,7 +32,7 @@ else
   fail "no C compiler ('cc') and no apt-get: install gcc with your package manager and try again"
 fi
 
-echo "[2/3] Rust"
+echo "[2/4] Rust"
 if ! command -v cargo >/dev/null 2>&1; then
   for folder in "${CARGO_HOME:-$HOME/.cargo}/bin" /usr/local/cargo/bin; do
     [ -x "$folder/cargo" ] && PATH=$folder:$PATH && break
@@ -47,7 +47,16 @@ found=$(rustc --version | awk '{ print $2 }')
   fail "Rust $found is too old, $wanted or newer is needed: rustup update stable"
 echo "      there: Rust $found"
 
-echo "[3/3] cargo build --release --locked"
+echo "[3/4] ONNX Runtime, for the activation network"
+if message=$(crates/dsfeat/get-onnxruntime.sh 2>&1); then
+  echo "      $message"
+else
+  echo "      not installed: $message" >&2
+  echo "      Everything works without it but --set features.selection=activation or semantic; run" >&2
+  echo "      crates/dsfeat/get-onnxruntime.sh again, or name a library with --onnxruntime FILE" >&2
+fi
+
+echo "[4/4] cargo build --release --locked"
 cargo build --release --locked
 program=${CARGO_TARGET_DIR:-target}/release/dsslam
 if [ -n "$prefix" ]; then

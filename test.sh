@@ -18,6 +18,9 @@ if [ ${#missing[@]} -gt 0 ]; then
   $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 fi
 
+# The activation network needs ONNX Runtime; without it its tests say that they were skipped.
+crates/dsfeat/get-onnxruntime.sh || true
+
 started=$SECONDS
 step() {
   local begun=$SECONDS

@@ -46,7 +46,8 @@ impl Input {
 
     fn frames(&self) -> [Frame; 2] {
         let mut builder = self.builder();
-        [0, 1].map(|i| builder.stereo(i as u32, i as f64 * 0.1, &self.pairs[i][0], &self.pairs[i][1]))
+        [0, 1]
+            .map(|i| builder.stereo(i as u32, i as f64 * 0.1, &self.pairs[i][0], &self.pairs[i][1]).unwrap())
     }
 }
 
@@ -141,9 +142,9 @@ fn stages(criterion: &mut Criterion) {
     let mut extractor = Extractor::new(ExtractorConfig::default());
     criterion.bench_function("extract_2000", |b| b.iter(|| extractor.extract(black_box(left))));
     let mut builder = input.builder();
-    criterion.bench_function("mono_frame", |b| b.iter(|| builder.mono(0, 0.0, black_box(left))));
+    criterion.bench_function("mono_frame", |b| b.iter(|| builder.mono(0, 0.0, black_box(left)).unwrap()));
     criterion.bench_function("stereo_frame (extract and associate)", |b| {
-        b.iter(|| builder.stereo(0, 0.0, black_box(left), &input.pairs[0][1]));
+        b.iter(|| builder.stereo(0, 0.0, black_box(left), &input.pairs[0][1]).unwrap());
     });
     let frames = input.frames();
     let queries: Vec<ProjectionQuery> = queries(&frames[0]).into_iter().map(|(_, query)| query).collect();

@@ -10,6 +10,7 @@ use crate::config::CheckArgs;
 use crate::console::Voice;
 use crate::export::ExportArgs;
 use crate::help;
+use crate::network_args::{ActivationArgs, NetworkArgs, PlacesArgs};
 use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
 
 /// Visual SLAM: images in, trajectory and map out.
@@ -40,6 +41,12 @@ pub(crate) enum Command {
     Synth(SynthArgs),
     /// Evaluates trajectories against ground truth, as tables and plots.
     Eval(eval::command::EvalCommand),
+    /// Draws what the network thinks of an image: activation as a heat map, features kept and dropped.
+    #[command(after_help = help::activation())]
+    Activation(ActivationArgs),
+    /// Recognises places in a sequence with three selections of features: precision-recall curves and their areas.
+    #[command(after_help = help::places())]
+    Places(PlacesArgs),
     /// Prints the default configuration, or checks and explains one.
     #[command(after_help = help::config())]
     Config(ConfigArgs),
@@ -100,6 +107,9 @@ pub(crate) struct RunArgs {
     /// Does not look for places seen before: the same as --set loops.enabled=false.
     #[arg(long, help_heading = "Places and maps")]
     pub(crate) no_loops: bool,
+    /// The network that selects features.
+    #[command(flatten)]
+    pub(crate) network: NetworkArgs,
     /// Test aid: seed of random pauses of all stages, on which no result may depend.
     #[arg(long, value_name = "SEED", hide = true)]
     pub(crate) delays: Option<u64>,

@@ -12,6 +12,8 @@ use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::job::{self, Job};
+use crate::network;
+use crate::network_args::NetworkArgs;
 use crate::places::{self, Extras};
 use crate::render;
 use crate::results::ResultsFolder;
@@ -56,6 +58,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let (width, height) = world.image_size();
     let size = ImageSize { width, height };
     let mut setup = setup::from_config(&config, Sensor::Stereo, size, Path::new(name)).or_input()?;
+    setup.selection = network::selection(&config.features, &NetworkArgs::default()).or_input()?;
     setup.vocabulary = Some(places::vocabulary(None).or_input()?);
     console::note(format!(
         "rendering {} stereo frames of {} and running on them",

@@ -63,6 +63,29 @@ Examples:
     )
 }
 
+/// Below `dsslam activation --help`.
+pub(crate) fn activation() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam activation image_0/000000.png -o heat.png
+  dsslam activation image.jpg -o heat.png --keep 1000 --set features.selection=semantic",
+    )
+}
+
+/// Below `dsslam places --help`.
+pub(crate) fn places() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam places kitti/sequences/06 --out /tmp/places
+  dsslam places town --selection ours --every 2 --features-model xfeat.onnx --out /tmp/places
+
+Selections: trad (highest response), seman (the same off what may move), ours (highest activation).
+Files: places.csv (a row per query and selection), curves.csv, precision_recall.png and .svg.",
+    )
+}
+
 /// Below `dsslam config --help`.
 pub(crate) fn config() -> String {
     with_codes(

@@ -2,6 +2,7 @@
 //!
 //! Start reading at `run.rs` (the command) and `job.rs` (a run from its first frame to its last file).
 
+mod activation;
 mod args;
 mod clock;
 mod config;
@@ -13,6 +14,9 @@ mod export;
 mod files;
 mod help;
 mod job;
+mod network;
+mod network_args;
+mod place_recognition;
 mod places;
 mod progress;
 mod render;
@@ -53,6 +57,8 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Demo(args) => demo::run(&args),
         Command::Synth(args) => render::run(&args),
         Command::Eval(command) => command.run().or_input().map(|()| Exit::Done),
+        Command::Activation(args) => activation::run(&args),
+        Command::Places(args) => place_recognition::run(&args),
         Command::Config(args) => config::run(&args.action),
         Command::Vocab(args) => vocab::run(&args.action),
         Command::Export(args) => export::run(&args),

@@ -11,6 +11,7 @@ use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::job::{self, Job};
+use crate::network;
 use crate::places;
 use crate::results::ResultsFolder;
 use crate::setup;
@@ -40,6 +41,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let preparation = Preparation::new(&sequence, config.input.scale);
     let wanted = setup::wanted_mask(&config, size).or_input()?;
     setup.mask = preparation.mask(&setup.extractor, wanted.as_ref()).map(Arc::new);
+    setup.selection = network::selection(&config.features, &args.network).or_input()?;
     places::complete(&mut setup, args, sequence.sensor)?;
     if video::is_camera(&args.sequence) && setup.calibration_frames > 0 {
         setup.calibration_frames = 0;

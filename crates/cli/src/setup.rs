@@ -8,11 +8,11 @@ use anyhow::{Context, Result, bail, ensure};
 use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
 use geometry::{GrayImage, StereoRig};
 use io::{
-    Config, FeatureSettings, FrameSource, ImageSize, LoopSettings, MappingSettings, RuntimeSettings, Sensor,
-    Sequence, StereoSettings, TrackingSettings,
+    Config, FeatureSelection, FeatureSettings, FrameSource, ImageSize, LoopSettings, MappingSettings,
+    RuntimeSettings, Sensor, Sequence, StereoSettings, TrackingSettings, WeightSettings,
 };
 use runtime::Setup;
-use slam::Params;
+use slam::{Params, Weights};
 
 /// Size of a sequence's images, after rectification where there is one, compared with what the configuration says. The size
 /// that the dataset's own calibration gives is taken when at least one image has it.
@@ -108,9 +108,24 @@ pub(crate) fn wanted_mask(config: &Config, size: ImageSize) -> Result<Option<Gra
     Ok(Some(mask))
 }
 
-/// How features are extracted.
+/// What is extracted; with a selection that chooses among it, the candidates.
 pub(crate) fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
-    let FeatureSettings { keep, levels, scale_factor, fast_initial, fast_minimum, subpixel } = *settings;
+    let FeatureSettings {
+        keep,
+        selection,
+        candidates,
+        spread: _,
+        network_threads: _,
+        levels,
+        scale_factor,
+        fast_initial,
+        fast_minimum,
+        subpixel,
+    } = *settings;
+    let keep = match selection {
+        FeatureSelection::Response => keep,
+        FeatureSelection::Activation | FeatureSelection::Semantic => candidates.max(keep),
+    };
     ExtractorConfig { keep, levels, scale_factor: scale_factor as f32, fast_initial, fast_minimum, subpixel }
 }
 
@@ -157,6 +172,8 @@ fn slam_params(config: &Config, sensor: runtime::Sensor, close_depth_m: f64) -> 
     params.mapping.min_found_ratio = point_found_ratio;
     let LoopSettings { enabled } = config.loops;
     params.loops.enabled = enabled;
+    let WeightSettings { ransac, optimisation, words } = config.weights;
+    params.weights = Weights { ransac, optimisation, words };
     params.seed = config.seed;
     params
 }

@@ -1,5 +1,6 @@
 //! From images to a [`Frame`]: extraction, undistortion, depth of the features.
 
+use crate::activation::ActivationSource;
 use crate::depth::DepthConfig;
 use crate::extractor::Extractor;
 use crate::frame::{Frame, Rig};
@@ -7,6 +8,7 @@ use crate::kernels::Simd;
 use crate::keypoint::{ExtractorConfig, Features, Keypoint};
 use crate::mask::FeatureMask;
 use crate::pyramid::Pyramid;
+use crate::selection::SelectionConfig;
 use crate::stereo::{StereoConfig, StereoMatcher, StereoPair};
 use geometry::{DepthImage, GrayImage, Vec2};
 use std::sync::Arc;
@@ -20,7 +22,11 @@ pub struct FrameBuilder {
     matcher: StereoMatcher,
     depth: DepthConfig,
     disparity_offset_px: f32,
+    selection: Option<(SelectionConfig, Box<dyn ActivationSource>)>,
 }
+
+/// Features and how far each is trusted.
+type Trusted = (Features, Vec<f32>);
 
 impl FrameBuilder {
     /// A builder for this camera.
@@ -34,7 +40,16 @@ impl FrameBuilder {
             matcher,
             depth,
             disparity_offset_px: 0.0,
+            selection: None,
         }
+    }
+
+    /// From now on keeps of the features only those that `config` selects by the activation maps of `source`; the number
+    /// of the extractor's settings is that of the candidates.
+    #[must_use]
+    pub fn with_selection(mut self, config: SelectionConfig, source: Box<dyn ActivationSource>) -> Self {
+        self.selection = Some((config, source));
+        self
     }
 
     /// Adds `offset_px` to every disparity from now on: a correction of the stereo calibration, pixels of level 0.
@@ -58,18 +73,28 @@ impl FrameBuilder {
     }
 
     /// A frame of a rectified stereo pair. Where the sizes differ no feature gets a depth.
-    pub fn stereo(&mut self, index: u32, timestamp_s: f64, left: &GrayImage, right: &GrayImage) -> Frame {
-        let Self { rig, extractor, right_pyramid, matcher, disparity_offset_px, .. } = self;
+    ///
+    /// # Errors
+    /// Those of the activation source; none without a selection.
+    pub fn stereo(
+        &mut self,
+        index: u32,
+        timestamp_s: f64,
+        left: &GrayImage,
+        right: &GrayImage,
+    ) -> Result<Frame, String> {
+        let Self { rig, extractor, right_pyramid, matcher, disparity_offset_px, selection, .. } = self;
         let scales = Arc::clone(extractor.scales());
         let same_size = left.width == right.width && left.height == right.height;
-        let (features, ()) = rayon::join(
-            || extractor.extract(left),
+        let (extracted, ()) = rayon::join(
+            || extract(extractor, selection, left),
             || {
                 if same_size {
                     right_pyramid.build(Simd::detect(), &scales, right)
                 }
             },
         );
+        let (features, activation) = extracted?;
         let disparities = if same_size {
             let pair = StereoPair { left: extractor.pyramid(), right: right_pyramid };
             matcher.disparities(rig, pair, &features.keypoints)
@@ -83,31 +108,68 @@ impl FrameBuilder {
             .zip(disparities)
             .map(|(k, d)| k.x - corrected(d, *disparity_offset_px))
             .collect();
-        Frame::new(index, timestamp_s, Arc::clone(rig), scales, features, right_u)
+        Ok(self.frame(index, timestamp_s, (features, activation), right_u))
     }
 
     /// A frame of a grey image and a depth image registered to it.
-    pub fn rgbd(&mut self, index: u32, timestamp_s: f64, gray: &GrayImage, depth: &DepthImage) -> Frame {
-        let features = self.extractor.extract(gray);
+    ///
+    /// # Errors
+    /// Those of the activation source; none without a selection.
+    pub fn rgbd(
+        &mut self,
+        index: u32,
+        timestamp_s: f64,
+        gray: &GrayImage,
+        depth: &DepthImage,
+    ) -> Result<Frame, String> {
+        let (features, activation) = extract(&mut self.extractor, &mut self.selection, gray)?;
         let depths: Vec<_> = features.keypoints.iter().map(|k| self.depth.depth_at(depth, k)).collect();
         let features = undistorted(&self.rig, features);
         let bf = self.rig.stereo.bf();
         let virtual_column =
             |(k, d): (&Keypoint, Option<f64>)| d.map_or(f32::NAN, |d| (f64::from(k.x) - bf / d) as f32);
         let right_u = features.keypoints.iter().zip(depths).map(virtual_column).collect();
-        self.frame(index, timestamp_s, features, right_u)
+        Ok(self.frame(index, timestamp_s, (features, activation), right_u))
     }
 
     /// A frame of a single image: no depths.
-    pub fn mono(&mut self, index: u32, timestamp_s: f64, gray: &GrayImage) -> Frame {
-        let features = undistorted(&self.rig, self.extractor.extract(gray));
+    ///
+    /// # Errors
+    /// Those of the activation source; none without a selection.
+    pub fn mono(&mut self, index: u32, timestamp_s: f64, gray: &GrayImage) -> Result<Frame, String> {
+        let (features, activation) = extract(&mut self.extractor, &mut self.selection, gray)?;
+        let features = undistorted(&self.rig, features);
         let right_u = vec![f32::NAN; features.keypoints.len()];
-        self.frame(index, timestamp_s, features, right_u)
+        Ok(self.frame(index, timestamp_s, (features, activation), right_u))
     }
 
-    fn frame(&self, index: u32, timestamp_s: f64, features: Features, right_u: Vec<f32>) -> Frame {
+    fn frame(
+        &self,
+        index: u32,
+        timestamp_s: f64,
+        (features, activation): Trusted,
+        right_u: Vec<f32>,
+    ) -> Frame {
         let (rig, scales) = (Arc::clone(&self.rig), Arc::clone(self.extractor.scales()));
-        Frame::new(index, timestamp_s, rig, scales, features, right_u)
+        let mut frame = Frame::new(index, timestamp_s, rig, scales, features, right_u);
+        frame.activation = activation;
+        frame
+    }
+}
+
+/// The features of an image, selected if there is a selection; without one each has the activation 1.
+fn extract(
+    extractor: &mut Extractor,
+    selection: &mut Option<(SelectionConfig, Box<dyn ActivationSource>)>,
+    image: &GrayImage,
+) -> Result<Trusted, String> {
+    match selection {
+        Some((config, source)) => extractor.extract_selected(image, config, source.as_mut()),
+        None => {
+            let features = extractor.extract(image);
+            let activation = vec![1.0; features.keypoints.len()];
+            Ok((features, activation))
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! ORB features of an image (Rublee et al., ICCV 2011) with the distribution of ORB-SLAM2.
 
+use crate::activation::{ActivationMap, ActivationSource};
 use crate::descriptor::Descriptor;
 use crate::detect::{Detector, region};
 use crate::kernels::brief::{REACH, describe};
@@ -11,6 +12,7 @@ use crate::plane::{Plane, reflect};
 use crate::pyramid::{Placement, Pyramid};
 use crate::quadtree::{Corner, Quadtree};
 use crate::scales::{ScaleLevels, level_quotas};
+use crate::selection::{Contender, SelectionConfig, select};
 use geometry::GrayImage;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -69,24 +71,77 @@ impl Extractor {
     /// Levels run in parallel on the current rayon pool; the result does not depend on the number of threads.
     pub fn extract(&mut self, image: &GrayImage) -> Features {
         self.pyramid.build(self.simd, &self.scales, image);
+        self.on_levels(|worker, level| {
+            worker.detect(&level);
+            worker.describe(&level);
+        });
+        self.collect()
+    }
+
+    /// As [`Extractor::extract`], then reduced to those that `selection` keeps, each with its activation. The map is made
+    /// while candidates are detected; only features that are kept are described.
+    ///
+    /// # Errors
+    /// Those of the source.
+    pub fn extract_selected(
+        &mut self,
+        image: &GrayImage,
+        selection: &SelectionConfig,
+        source: &mut dyn ActivationSource,
+    ) -> Result<(Features, Vec<f32>), String> {
+        let (map, ()) = rayon::join(|| source.activation(image), || self.detect(image));
+        let activation = self.select(&map?, selection, (image.width, image.height));
+        self.on_levels(|worker, level| worker.describe(&level));
+        Ok((self.collect(), activation))
+    }
+
+    /// Leaves the candidates of `image` in the workers.
+    fn detect(&mut self, image: &GrayImage) {
+        self.pyramid.build(self.simd, &self.scales, image);
+        self.on_levels(|worker, level| worker.detect(&level));
+    }
+
+    /// Reduces the candidates to those kept; returns the activation of each, by octave, row, column.
+    fn select(&mut self, map: &ActivationMap, config: &SelectionConfig, size: (usize, usize)) -> Vec<f32> {
+        let n_levels = self.pyramid.levels().len();
+        let workers = &mut self.workers[..n_levels];
+        let mut contenders = Vec::new();
+        for (octave, worker) in workers.iter().enumerate() {
+            let placement = self.pyramid.placement(octave);
+            contenders.extend(worker.kept.iter().map(|corner| {
+                let (x, y) = placement.to_full(f32::from(corner.x), f32::from(corner.y));
+                Contender { x, y, response: corner.score }
+            }));
+        }
+        let (kept, activation) = select(&contenders, map, config, size);
+        let mut is_kept = vec![false; contenders.len()];
+        kept.iter().for_each(|&i| is_kept[i] = true);
+        let mut is_kept = is_kept.into_iter();
+        workers.iter_mut().for_each(|worker| worker.kept.retain(|_| is_kept.next() == Some(true)));
+        activation
+    }
+
+    /// Does `work` on each level, in parallel.
+    fn on_levels(&mut self, work: impl Fn(&mut Worker, Level<'_>) + Sync) {
         let Self { config, simd, quotas, pyramid, workers, mask, .. } = self;
         let mask = mask.as_deref();
         let levels = pyramid.levels();
         workers[..levels.len()].par_iter_mut().with_max_len(1).enumerate().for_each(|(octave, worker)| {
-            worker.run(
-                *simd,
-                config,
-                &levels[octave],
-                (octave as u8, pyramid.placement(octave)),
-                (quotas[octave], mask),
-            );
+            let placement = pyramid.placement(octave);
+            let (plane, quota, octave) = (&levels[octave], quotas[octave], octave as u8);
+            work(worker, Level { simd: *simd, config, plane, octave, placement, quota, mask });
         });
+    }
+
+    /// The features that the workers hold.
+    fn collect(&self) -> Features {
+        let workers = &self.workers[..self.pyramid.levels().len()];
         let n_features = workers.iter().map(|w| w.features.keypoints.len()).sum();
         let mut features = Features {
             keypoints: Vec::with_capacity(n_features),
             descriptors: Vec::with_capacity(n_features),
         };
-        for worker in &workers[..levels.len()] {
+        for worker in workers {
             features.keypoints.extend_from_slice(&worker.features.keypoints);
             features.descriptors.extend_from_slice(&worker.features.descriptors);
         }
@@ -106,35 +161,45 @@ impl Extractor {
     }
 }
 
+/// A level of the pyramid and what is done there.
+struct Level<'a> {
+    simd: Simd,
+    config: &'a ExtractorConfig,
+    plane: &'a Plane,
+    octave: u8,
+    placement: Placement,
+    quota: usize,
+    mask: Option<&'a FeatureMask>,
+}
+
 impl Worker {
-    /// Detects, distributes, orients and describes the features of one level.
-    fn run(
-        &mut self,
-        simd: Simd,
-        config: &ExtractorConfig,
-        level: &Plane,
-        (octave, placement): (u8, Placement),
-        (quota, mask): (usize, Option<&FeatureMask>),
-    ) {
+    /// Detects and distributes the corners of a level, and blurs it for their descriptors.
+    fn detect(&mut self, level: &Level<'_>) {
+        self.kept.clear();
+        let Some(bounds) = region(level.plane) else { return };
+        let ExtractorConfig { fast_initial, fast_minimum, .. } = *level.config;
+        self.detector.run(level.simd, level.plane, fast_initial, fast_minimum, &mut self.corners);
+        if let Some(mask) = level.mask {
+            let place = |c: &Corner| level.placement.to_full(f32::from(c.x), f32::from(c.y));
+            self.corners.retain(|corner| mask.allows(level.octave, place(corner)));
+        }
+        self.quadtree.distribute(&self.corners, bounds, level.quota, &mut self.kept);
+        if !self.kept.is_empty() {
+            blur::gaussian(level.simd, level.plane, &mut self.line, &mut self.blurred);
+        }
+    }
+
+    /// Orients and describes the corners kept.
+    fn describe(&mut self, level: &Level<'_>) {
+        let Level { simd, config, plane, octave, placement, .. } = *level;
         let Features { keypoints, descriptors } = &mut self.features;
         keypoints.clear();
         descriptors.clear();
-        let Some(bounds) = region(level) else { return };
-        self.detector.run(simd, level, config.fast_initial, config.fast_minimum, &mut self.corners);
-        if let Some(mask) = mask {
-            let place = |c: &Corner| placement.to_full(f32::from(c.x), f32::from(c.y));
-            self.corners.retain(|corner| mask.allows(octave, place(corner)));
-        }
-        self.quadtree.distribute(&self.corners, bounds, quota, &mut self.kept);
-        if self.kept.is_empty() {
-            return;
-        }
-        blur::gaussian(simd, level, &mut self.line, &mut self.blurred);
         for corner in &self.kept {
             let (x, y) = (usize::from(corner.x), usize::from(corner.y));
-            let (m10, m01) = moments::moments(simd, level.data(), level.stride(), y * level.stride() + x);
+            let (m10, m01) = moments::moments(simd, plane.data(), plane.stride(), y * plane.stride() + x);
             let angle_deg = direction_deg(m10, m01);
-            let (dx, dy) = if config.subpixel { refine(simd, level, x, y) } else { (0.0, 0.0) };
+            let (dx, dy) = if config.subpixel { refine(simd, plane, x, y) } else { (0.0, 0.0) };
             let response = f32::from(corner.score);
             let (full_x, full_y) = placement.to_full(x as f32 + dx, y as f32 + dy);
             keypoints.push(Keypoint { x: full_x, y: full_y, octave, angle_deg, response });

@@ -3,6 +3,7 @@
 //! Start reading at [`FrameBuilder`] (images to a [`Frame`]), then [`Extractor`] (one image to [`Features`]) and
 //! [`search_window`] (a predicted position to a feature).
 
+mod activation;
 mod align;
 mod brute_force;
 mod builder;
@@ -23,9 +24,11 @@ mod quadtree;
 mod remap;
 mod rotation;
 mod scales;
+mod selection;
 mod stereo;
 mod window;
 
+pub use activation::{ActivationMap, ActivationSource};
 pub use brute_force::match_brute_force;
 pub use builder::FrameBuilder;
 pub use depth::{DepthConfig, EDGE_REACH_PX};
@@ -40,5 +43,6 @@ pub use pyramid::Pyramid;
 pub use remap::{RemapTable, remap};
 pub use rotation::consistent_rotations;
 pub use scales::{ScaleLevels, level_quotas};
+pub use selection::{Contender, SelectionConfig, SelectionRule, Spread, select};
 pub use stereo::StereoConfig;
 pub use window::{Candidate, ProjectionQuery, WindowMatch, search_window, search_windows};

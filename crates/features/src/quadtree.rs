@@ -31,6 +31,10 @@ impl Item {
         (self.0 >> 16) as u16
     }
 
+    fn index(self) -> usize {
+        (Self::LAST - (self.0 >> 32 & Self::LAST)) as usize
+    }
+
     fn corner(self) -> Corner {
         Corner { x: self.x(), y: self.y(), score: (self.0 >> 56) as u8 }
     }
@@ -74,12 +78,27 @@ impl Quadtree {
         wanted: usize,
         kept: &mut Vec<Corner>,
     ) {
+        self.reduce(corners, bounds, wanted);
+        self.items.sort_unstable_by_key(|item| item.0 as u32);
         kept.clear();
-        if wanted == 0 || corners.is_empty() {
+        kept.extend(self.items.iter().map(|item| item.corner()));
+    }
+
+    /// As [`Quadtree::distribute`], but tells the indices of the corners kept, in ascending order.
+    pub(crate) fn choose(&mut self, corners: &[Corner], bounds: [u16; 4], wanted: usize) -> Vec<usize> {
+        self.reduce(corners, bounds, wanted);
+        let mut chosen: Vec<usize> = self.items.iter().map(|item| item.index()).collect();
+        chosen.sort_unstable();
+        chosen
+    }
+
+    /// Leaves in `items` the corners to keep, in no order.
+    fn reduce(&mut self, corners: &[Corner], bounds: [u16; 4], wanted: usize) {
+        self.items.clear();
+        if wanted == 0 {
             return;
         }
         let corners = &corners[..corners.len().min(Item::LAST as usize)];
-        self.items.clear();
         self.items.extend(corners.iter().enumerate().map(|(i, corner)| Item::new(i, corner)));
         if corners.len() > wanted {
             self.plant(bounds);
@@ -87,8 +106,6 @@ impl Quadtree {
             while self.nodes.len() < wanted && self.split_fullest(wanted) {}
             self.keep_strongest(wanted);
         }
-        self.items.sort_unstable_by_key(|item| item.0 as u32);
-        kept.extend(self.items.iter().map(|item| item.corner()));
     }
 
     /// Makes the root cells: about square, side by side.
@@ -238,6 +255,14 @@ mod tests {
         let kept = distribute(&all, 6);
         assert!(left.iter().chain(&right).all(|c| kept.contains(c)));
         assert_eq!(kept.len(), 6);
+    }
+
+    #[test]
+    fn indices_name_the_corners_kept() {
+        let corners = [corner(20, 20, 9), corner(30, 20, 12), corner(150, 50, 3), corner(300, 20, 4)];
+        assert_eq!(Quadtree::default().choose(&corners, BOUNDS, 3), [1, 2, 3]);
+        assert_eq!(Quadtree::default().choose(&corners, BOUNDS, 9), [0, 1, 2, 3]);
+        assert!(Quadtree::default().choose(&corners, BOUNDS, 0).is_empty());
     }
 
     #[test]

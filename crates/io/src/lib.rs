@@ -11,8 +11,9 @@ mod trajectory;
 mod video;
 
 pub use config::{
-    CameraError, CameraSettings, Config, ConfigErrors, Explained, FeatureSettings, InputSettings,
-    LoopSettings, MappingSettings, Problem, Provenance, RuntimeSettings, StereoSettings, TrackingSettings,
+    CameraError, CameraSettings, Config, ConfigErrors, Explained, FeatureSelection, FeatureSettings,
+    FeatureSpread, InputSettings, LoopSettings, MappingSettings, Problem, Provenance, RuntimeSettings,
+    StereoSettings, TrackingSettings, WeightSettings,
     schema::{Entry, Kind, Literal, Range},
     table::SCHEMA,
 };

@@ -22,19 +22,13 @@ pub(crate) struct Extracted {
 /// The stage that extracts features.
 pub(crate) struct ExtractStage<'a> {
     setup: &'a Setup,
-    builder: FrameBuilder,
+    /// Why there is no builder: the network cannot be opened.
+    builder: Result<FrameBuilder, String>,
 }
 
 impl<'a> ExtractStage<'a> {
     pub(crate) fn new(setup: &'a Setup, disparity_offset_px: f64) -> Self {
-        let builder = FrameBuilder::new(
-            setup.rig.clone(),
-            setup.extractor.clone(),
-            setup.stereo.clone(),
-            setup.depth.clone(),
-        );
-        let builder = builder.with_disparity_offset(disparity_offset_px).with_mask(setup.mask.clone());
-        ExtractStage { setup, builder }
+        ExtractStage { setup, builder: setup.frame_builder(disparity_offset_px) }
     }
 
     /// Makes a frame of images.
@@ -42,8 +36,9 @@ impl<'a> ExtractStage<'a> {
         let Fetched { n, info, images, decode_ms } = fetched;
         let mut watch = Stopwatch::new(info.index);
         watch.add("decode", decode_ms);
-        let frame = images.and_then(|images| usable(images, self.setup)).map(|images| {
-            watch.time("extract", |_| Arc::new(build(&mut self.builder, self.setup.sensor, info, &images)))
+        let frame = images.and_then(|images| usable(images, self.setup)).and_then(|images| {
+            let builder = self.builder.as_mut().map_err(|reason| reason.clone())?;
+            watch.time("extract", |_| build(builder, self.setup.sensor, info, &images)).map(Arc::new)
         });
         Extracted { n, info, frame, watch }
     }
@@ -76,7 +71,12 @@ fn usable(images: LoadedFrame, setup: &Setup) -> Result<LoadedFrame, String> {
     Ok(images)
 }
 
-fn build(builder: &mut FrameBuilder, sensor: Sensor, info: FrameInfo, images: &LoadedFrame) -> Frame {
+fn build(
+    builder: &mut FrameBuilder,
+    sensor: Sensor,
+    info: FrameInfo,
+    images: &LoadedFrame,
+) -> Result<Frame, String> {
     match (sensor, &images.right, &images.depth) {
         (Sensor::Stereo, Some(right), _) => builder.stereo(info.index, info.timestamp_s, &images.left, right),
         (Sensor::Rgbd, _, Some(depth)) => builder.rgbd(info.index, info.timestamp_s, &images.left, depth),

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use bow::Vocabulary;
-use features::{DepthConfig, ExtractorConfig, FeatureMask, Rig, StereoConfig};
+use features::{DepthConfig, ExtractorConfig, FeatureMask, FrameBuilder, Rig, StereoConfig};
 use map::Map;
-use slam::{Params, World};
+use slam::{Params, Places, World};
 
 use crate::faults::Faults;
 use crate::fingerprint::Fingerprint;
 use crate::rule::Rule;
+use crate::selection::Selection;
 
 /// Which images a frame has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +50,8 @@ pub struct Setup {
     pub extractor: ExtractorConfig,
     /// Where features may be taken; `None`: everywhere.
     pub mask: Option<Arc<FeatureMask>>,
+    /// How features are chosen among what is extracted; without it all are kept.
+    pub selection: Option<Selection>,
     /// Stereo association.
     pub stereo: StereoConfig,
     /// Added to every disparity: a known error of the stereo calibration, pixels.
@@ -82,6 +85,7 @@ impl Setup {
             rig,
             extractor: ExtractorConfig::default(),
             mask: None,
+            selection: None,
             stereo: StereoConfig::default(),
             disparity_offset_px: 0.0,
             calibration_frames: 0,
@@ -96,15 +100,31 @@ impl Setup {
         }
     }
 
+    /// What makes frames of images, with the mask and the selection of features.
+    ///
+    /// # Errors
+    /// Why the network of the selection cannot be opened.
+    pub fn frame_builder(&self, disparity_offset_px: f64) -> Result<FrameBuilder, String> {
+        let (rig, extractor) = (self.rig.clone(), self.extractor.clone());
+        let builder = FrameBuilder::new(rig, extractor, self.stereo.clone(), self.depth.clone())
+            .with_disparity_offset(disparity_offset_px)
+            .with_mask(self.mask.clone());
+        match &self.selection {
+            None => Ok(builder),
+            Some(Selection { config, source }) => Ok(builder.with_selection(*config, source.open()?)),
+        }
+    }
+
     pub(crate) fn rule(&self) -> Rule {
         Rule { lag: self.lag.max(1), loop_lag: self.loop_lag }
     }
 
     /// The world that a run begins with.
     pub(crate) fn world(&self) -> World {
+        let places = Places::new(self.vocabulary.clone()).weighted(self.slam.weights.words);
         match &self.start {
-            None => World::new(self.vocabulary.clone()),
-            Some(map) => World::from_map(map.clone(), self.vocabulary.clone()),
+            None => World { map: Map::new(), places },
+            Some(map) => World { places: places.with_map(map), map: map.clone() },
         }
     }
 
@@ -113,6 +133,8 @@ impl Setup {
         let mut print = Fingerprint::default();
         print.add(format!("{:?}", (self.sensor, &self.rig, &self.extractor, &self.stereo)).as_bytes());
         print.add(format!("{:?}", (&self.depth, &self.slam)).as_bytes());
+        let selection = self.selection.as_ref().map(|s| (s.config, s.source.identity()));
+        print.add(format!("{selection:?}").as_bytes());
         print.add(self.vocabulary.as_ref().map_or(&[][..], |vocabulary| vocabulary.as_bytes()));
         print.add(&self.start.as_ref().map_or(0, Map::digest).to_le_bytes());
         self.mask.iter().flat_map(|mask| mask.bytes()).for_each(|level| print.add(level));

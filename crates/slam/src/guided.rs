@@ -6,6 +6,7 @@ use map::{KeyframeId, Map, PointId};
 use optim::CHI2_MONO;
 
 use crate::assign::one_to_one;
+use crate::params::Weights;
 use crate::visibility::project_visible;
 
 /// How far from the projection and how different in appearance a match may be.
@@ -77,21 +78,27 @@ pub(crate) fn points_around(map: &Map, keyframe: KeyframeId, n: usize) -> Vec<Po
     points
 }
 
-/// Pose by P3P and RANSAC, samples and scores weighted by the features' activation.
-pub(crate) fn pose_by_ransac(frame: &Frame, map: &Map, matches: &[(u32, PointId)], seed: u64) -> Option<SE3> {
+/// Pose by P3P and RANSAC, samples and scores weighted by the features' activation if that counts.
+pub(crate) fn pose_by_ransac(
+    frame: &Frame,
+    map: &Map,
+    matches: &[(u32, PointId)],
+    weights: Weights,
+    seed: u64,
+) -> Option<SE3> {
     let mut pixels = Vec::with_capacity(matches.len());
     let mut points: Vec<Vec3> = Vec::with_capacity(matches.len());
     let mut thresholds_sq = Vec::with_capacity(matches.len());
-    let mut weights = Vec::with_capacity(matches.len());
+    let mut trust = Vec::with_capacity(matches.len());
     for &(feature, id) in matches {
         let Some(point) = map.point(id) else { continue };
         let i = feature as usize;
         pixels.push(frame.pixel(i));
         points.push(point.position);
         thresholds_sq.push(CHI2_MONO / frame.inv_sigma_sq(i));
-        weights.push(f64::from(frame.activation[i]));
+        trust.push(weights.of_sample(frame, i));
     }
     let estimator = PnpEstimator::new(frame.rig.stereo.camera, &pixels, &points, &thresholds_sq);
     let options = RansacOptions { max_iterations: 300, confidence: 0.99, seed, ..RansacOptions::default() };
-    ransac(&estimator, Some(&weights), &options).map(|found| found.model)
+    ransac(&estimator, Some(&trust), &options).map(|found| found.model)
 }

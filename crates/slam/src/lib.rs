@@ -26,7 +26,7 @@ pub use loops::{
 };
 pub use lost::{Lost, NotReady};
 pub use mapper::{Mapper, MappingReport};
-pub use params::{LoopParams, MappingParams, Params, TrackingParams};
+pub use params::{LoopParams, MappingParams, Params, TrackingParams, Weights};
 pub use places::Places;
 pub use probe::{NoProbe, Probe, Stage, staged};
 pub use tracker::{

@@ -4,9 +4,22 @@ use features::Frame;
 use geometry::Vec3;
 use optim::{CHI2_MONO, CHI2_STEREO};
 
-/// Inverse variance of the position of feature `i`, per squared pixel of level 0, when it is `sigma_px` at octave 0.
-pub(crate) fn information(frame: &Frame, i: usize, sigma_px: f64) -> f64 {
-    frame.inv_sigma_sq(i) / (sigma_px * sigma_px)
+/// The least that a feature counts, so that no observation vanishes.
+const LEAST_WEIGHT: f64 = 0.05;
+
+/// How exactly features are placed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Noise {
+    /// Standard deviation at octave 0, pixels.
+    pub(crate) sigma_px: f64,
+    /// Whether a feature counts the less, the less it is trusted.
+    pub(crate) weighted: bool,
+}
+
+/// Inverse variance of the position of feature `i`, per squared pixel of level 0, times its activation if that counts.
+pub(crate) fn information(frame: &Frame, i: usize, noise: Noise) -> f64 {
+    let information = frame.inv_sigma_sq(i) / (noise.sigma_px * noise.sigma_px);
+    if noise.weighted { information * f64::from(frame.activation[i]).max(LEAST_WEIGHT) } else { information }
 }
 
 /// Whether feature `i` shows a point, given in camera coordinates: in front of the camera, and reprojected within the
@@ -26,5 +39,5 @@ pub(crate) fn agrees(frame: &Frame, i: usize, point_cam: &Vec3, sigma_px: f64) -
         let dr = uvr.z - right_u;
         (du * du + dv * dv + dr * dr, CHI2_STEREO)
     };
-    error_sq * information(frame, i, sigma_px) <= limit
+    error_sq * information(frame, i, Noise { sigma_px, weighted: false }) <= limit
 }

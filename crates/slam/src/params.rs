@@ -1,5 +1,9 @@
 //! What can be set in tracking, mapping and loop closing. Defaults follow ORB-SLAM2's published constants where not said otherwise.
 
+use features::Frame;
+
+use crate::noise::Noise;
+
 /// Residuals of rectified stereo on real drives have a standard deviation of 0.35 px at octave 0; twice that leaves room
 /// for what a chi-square test should not call an outlier.
 const STEREO_SIGMA_PX: f64 = 0.7;
@@ -104,6 +108,30 @@ pub struct LoopParams {
     pub global_iterations: usize,
 }
 
+/// Where the activation of features counts, beside their selection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Weights {
+    /// In samples and scores of RANSAC.
+    pub ransac: bool,
+    /// In optimisation, as a factor on the information of an observation.
+    pub optimisation: bool,
+    /// In bags of words.
+    pub words: bool,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Weights { ransac: true, optimisation: false, words: false }
+    }
+}
+
+impl Weights {
+    /// The weight of feature `i` in RANSAC.
+    pub(crate) fn of_sample(self, frame: &Frame, i: usize) -> f64 {
+        if self.ransac { f64::from(frame.activation[i]) } else { 1.0 }
+    }
+}
+
 /// All parameters of the SLAM steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
@@ -117,6 +145,8 @@ pub struct Params {
     pub monocular: bool,
     /// Standard deviation of a feature's position at octave 0, pixels; errors are judged in units of it.
     pub feature_sigma_px: f64,
+    /// Where the activation of features counts.
+    pub weights: Weights,
     /// Seed of every random decision.
     pub seed: u64,
 }
@@ -173,8 +203,14 @@ impl Params {
             },
             monocular: false,
             feature_sigma_px: STEREO_SIGMA_PX,
+            weights: Weights::default(),
             seed: 0,
         }
+    }
+
+    /// How exactly features are placed.
+    pub(crate) fn noise(&self) -> Noise {
+        Noise { sigma_px: self.feature_sigma_px, weighted: self.weights.optimisation }
     }
 
     /// For RGB-D: wider windows, since hand-held cameras turn faster.

@@ -15,6 +15,8 @@ const CHUNK: usize = 64;
 pub struct Places {
     /// Without one, no place is ever recognised.
     vocabulary: Option<Arc<Vocabulary>>,
+    /// Whether features count in words as far as they are trusted.
+    weighted: bool,
     index: PlaceIndex,
     /// By id of the keyframe; `None` for keyframes that are not there.
     direct: Vec<Arc<Vec<Option<Arc<DirectIndex>>>>>,
@@ -32,16 +34,23 @@ impl Places {
         Places { vocabulary, ..Places::default() }
     }
 
-    /// The places of all keyframes of a map, as if each had been added.
-    pub fn of_map(vocabulary: Option<Arc<Vocabulary>>, map: &Map) -> Self {
-        let mut places = Places::new(vocabulary);
-        map.keyframes().for_each(|keyframe| places.add(keyframe.id, &keyframe.frame));
-        places
+    /// The same, features of what is added from now on weighted by their activation if `weighted`.
+    #[must_use]
+    pub fn weighted(self, weighted: bool) -> Self {
+        Places { weighted, ..self }
     }
 
-    /// Vector and direct index of a frame, features weighted by their activation; `None` without a vocabulary.
+    /// The same with all keyframes of a map added.
+    #[must_use]
+    pub fn with_map(mut self, map: &Map) -> Self {
+        map.keyframes().for_each(|keyframe| self.add(keyframe.id, &keyframe.frame));
+        self
+    }
+
+    /// Vector and direct index of a frame, features weighted by their activation if that counts; `None` without a vocabulary.
     pub fn describe(&self, frame: &Frame) -> Option<Transformed> {
-        self.vocabulary.as_ref().map(|v| v.transform(&frame.descriptors, Some(&frame.activation)))
+        let weights = self.weighted.then_some(&frame.activation[..]);
+        self.vocabulary.as_ref().map(|v| v.transform(&frame.descriptors, weights))
     }
 
     /// Vector and direct index of a keyframe.

@@ -5,7 +5,7 @@ use geometry::{SE3, Vec3};
 use map::{Map, PointId};
 use optim::{PoseObservation, PoseOptions, refine_pose};
 
-use crate::noise::information;
+use crate::noise::{Noise, information};
 
 /// A refined pose and the matches that agree with it.
 #[derive(Clone, Debug)]
@@ -20,7 +20,7 @@ pub(crate) fn refine_with_positions(
     frame: &Frame,
     initial: SE3,
     matches: &[(u32, Vec3)],
-    sigma_px: f64,
+    noise: Noise,
 ) -> (SE3, Vec<bool>) {
     let observations: Vec<PoseObservation> = matches
         .iter()
@@ -30,7 +30,7 @@ pub(crate) fn refine_with_positions(
                 point_world,
                 pixel: frame.pixel(i),
                 right_u: f64::from(frame.right_u[i]),
-                inv_sigma_sq: information(frame, i, sigma_px),
+                inv_sigma_sq: information(frame, i, noise),
             }
         })
         .collect();
@@ -44,7 +44,7 @@ pub(crate) fn refine(
     map: &Map,
     initial: SE3,
     matches: &[(u32, PointId)],
-    sigma_px: f64,
+    noise: Noise,
 ) -> RefinedPose {
     let living: Vec<(u32, PointId, Vec3)> = matches
         .iter()
@@ -52,7 +52,7 @@ pub(crate) fn refine(
         .collect();
     let positions: Vec<(u32, Vec3)> =
         living.iter().map(|&(feature, _, position)| (feature, position)).collect();
-    let (cam_from_world, agrees) = refine_with_positions(frame, initial, &positions, sigma_px);
+    let (cam_from_world, agrees) = refine_with_positions(frame, initial, &positions, noise);
     let inliers = living.iter().zip(agrees).filter(|(_, agrees)| *agrees).map(|(m, _)| (m.0, m.1)).collect();
     RefinedPose { cam_from_world, inliers }
 }

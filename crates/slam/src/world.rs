@@ -24,7 +24,7 @@ impl World {
 
     /// A map from elsewhere, its places described anew.
     pub fn from_map(map: Map, vocabulary: Option<Arc<Vocabulary>>) -> Self {
-        let places = Places::of_map(vocabulary, &map);
+        let places = Places::new(vocabulary).with_map(&map);
         World { map, places }
     }
 }

@@ -11,6 +11,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/geometry", &[]),
     ("crates/draw", &["geometry"]),
     ("crates/features", &["geometry"]),
+    ("crates/dsfeat", &["geometry", "features"]),
     ("crates/optim", &["geometry"]),
     ("crates/io", &["geometry"]),
     ("crates/bow", &["geometry", "features"]),
@@ -24,7 +25,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "crates/cli",
         &[
             "geometry", "features", "optim", "map", "slam", "runtime", "io", "bow", "synth", "eval", "draw",
-            "export",
+            "export", "dsfeat",
         ],
     ),
     ("crates/cv", &["geometry"]),
@@ -39,6 +40,7 @@ const HEAVY: &[(&str, &str)] = &[
     ("crossbeam", "crates/runtime"),
     ("faer", "crates/optim"),
     ("clarabel", "crates/optim"),
+    ("ort", "crates/dsfeat"),
 ];
 
 /// The longest a source file may be, lines.

@@ -1,14 +1,13 @@
 //! `dsslam stereo`: the disparities of a stereo frame.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
+use anyhow::anyhow;
 use clap::Args;
 use draw::{Canvas, Strip, Swatch, spread};
-use features::{Frame, FrameBuilder};
+use features::Frame;
 use geometry::GrayImage;
 use io::Sensor;
-use runtime::Setup;
 
 use super::input::{Frames, SettingsArgs};
 use super::{row, save, zoom_for};
@@ -44,7 +43,11 @@ impl StereoArgs {
         let timestamp_s = frames.timestamp_s(position);
         let setup = frames.setup.or_input()?;
         let right = images.right.unwrap_or_default();
-        let frame = builder(&setup).stereo(position as u32, timestamp_s, &images.left, &right);
+        let frame = setup
+            .frame_builder(setup.disparity_offset_px)
+            .and_then(|mut builder| builder.stereo(position as u32, timestamp_s, &images.left, &right))
+            .map_err(|reason| anyhow!(reason))
+            .or_input()?;
         let found = Disparities::of(&frame);
         let (n, of) = (found.marks.len(), frame.len());
         row("frame", &format!("{name} ({}x{})", images.left.width, images.left.height));
@@ -57,12 +60,6 @@ impl StereoArgs {
         row("depth", &format!("{:.2} to {:.2} m, median {:.2} m", depths[0], depths[1], depths[2]));
         save(&self.out, &found.drawn(&images.left, &name, of))
     }
-}
-
-fn builder(setup: &Setup) -> FrameBuilder {
-    let (extractor, stereo) = (setup.extractor.clone(), setup.stereo.clone());
-    FrameBuilder::new(Arc::clone(&setup.rig), extractor, stereo, setup.depth.clone())
-        .with_disparity_offset(setup.disparity_offset_px)
 }
 
 /// What has been found.

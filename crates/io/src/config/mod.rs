@@ -22,8 +22,8 @@ pub use camera::CameraError;
 pub use explain::Explained;
 pub use problem::{ConfigErrors, Problem, Provenance};
 pub use settings::{
-    CameraSettings, FeatureSettings, InputSettings, LoopSettings, MappingSettings, RuntimeSettings,
-    StereoSettings, TrackingSettings,
+    CameraSettings, FeatureSelection, FeatureSettings, FeatureSpread, InputSettings, LoopSettings,
+    MappingSettings, RuntimeSettings, StereoSettings, TrackingSettings, WeightSettings,
 };
 
 /// A complete, checked configuration. [`crate::SCHEMA`] documents its keys.
@@ -36,6 +36,8 @@ pub struct Config {
     pub input: InputSettings,
     /// Keypoints.
     pub features: FeatureSettings,
+    /// Where the activation of features counts.
+    pub weights: WeightSettings,
     /// Depth from two images.
     pub stereo: StereoSettings,
     /// Poses of frames.

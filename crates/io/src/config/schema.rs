@@ -137,6 +137,16 @@ pub(super) const fn flag(key: &'static str, default: bool, help: &'static str) -
     Entry { key, kind: Kind::Flag, unit: "", default: Some(Literal::Flag(default)), help }
 }
 
+/// A key with one of some words.
+pub(super) const fn choice(
+    key: &'static str,
+    default: &'static str,
+    words: &'static [&'static str],
+    help: &'static str,
+) -> Entry {
+    Entry { key, kind: Kind::Choice(words), unit: "", default: Some(Literal::Text(default)), help }
+}
+
 /// A key with one of some words, which may be absent.
 pub(super) const fn optional_choice(
     key: &'static str,

@@ -61,6 +61,14 @@ pub struct InputSettings {
 pub struct FeatureSettings {
     /// Keypoints kept per image.
     pub keep: usize,
+    /// By what they are chosen.
+    pub selection: FeatureSelection,
+    /// Keypoints among which a network chooses.
+    pub candidates: usize,
+    /// Whether those chosen are spread over the image.
+    pub spread: FeatureSpread,
+    /// Threads of the network.
+    pub network_threads: usize,
     /// Levels of the pyramid.
     pub levels: usize,
     /// Ratio of the sizes of two neighbouring levels.
@@ -71,6 +79,40 @@ pub struct FeatureSettings {
     pub fast_minimum: u8,
     /// Whether keypoints are refined below one pixel.
     pub subpixel: bool,
+}
+
+/// By what features are chosen among the candidates of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FeatureSelection {
+    /// The network trained with the hybrid loss: highest activation.
+    Activation,
+    /// The network trained with the semantic loss: highest response off what may move.
+    Semantic,
+    /// No network: highest response, spread over the image.
+    Response,
+}
+
+/// Whether features chosen by a network are spread over the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FeatureSpread {
+    /// The best of each of as many cells as features are wanted.
+    Cells,
+    /// The best of the image.
+    Anywhere,
+}
+
+/// Section `weights`: where the activation of features counts beside their selection.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WeightSettings {
+    /// In samples and scores of RANSAC.
+    pub ransac: bool,
+    /// In optimisation.
+    pub optimisation: bool,
+    /// In bags of words.
+    pub words: bool,
 }
 
 /// Section `stereo`.

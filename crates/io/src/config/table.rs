@@ -1,7 +1,7 @@
 //! All keys of the configuration. A new key is a line here and a field in `settings.rs`; nothing else.
 
 use super::schema::{
-    ANY, Entry, above, between, flag, integer, optional_choice, optional_file, optional_integer,
+    ANY, Entry, above, between, choice, flag, integer, optional_choice, optional_file, optional_integer,
     optional_real, real,
 };
 
@@ -29,11 +29,19 @@ pub const SCHEMA: &[Entry] = &[
     real("input.association_tolerance_s", 0.02, "s", above(0.0), "largest time between a colour image and its depth image"),
 
     integer("features.keep", 2000, "", [50, 100_000], "keypoints kept per image"),
+    choice("features.selection", "response", &["activation", "semantic", "response"], "by what they are chosen; the first two need ONNX Runtime"),
+    integer("features.candidates", 2000, "", [50, 100_000], "keypoints among which activation or semantic choose"),
+    choice("features.spread", "cells", &["cells", "anywhere"], "those chosen by activation or semantic: the best of each cell, or of the image"),
+    integer("features.network_threads", 1, "", [1, 64], "threads of the network; no result depends on them"),
     integer("features.levels", 8, "", [1, 16], "levels of the image pyramid"),
     real("features.scale_factor", 1.2, "", between(1.01, 2.0), "ratio of the sizes of two neighbouring levels"),
     integer("features.fast_initial", 20, "grey levels", [1, 255], "FAST threshold tried first in a cell"),
     integer("features.fast_minimum", 7, "grey levels", [1, 255], "FAST threshold of a cell where the first finds nothing"),
     flag("features.subpixel", true, "refine the position of keypoints below one pixel"),
+
+    flag("weights.ransac", true, "samples and scores of RANSAC are weighted by the activation of features"),
+    flag("weights.optimisation", false, "observations count in optimisation as far as their features are trusted"),
+    flag("weights.words", false, "words of a frame count as far as their features are trusted"),
 
     optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: five baselines"),
     real("stereo.close_depth_baselines", 40.0, "baselines", above(0.0), "a point nearer than this makes a map point at once"),

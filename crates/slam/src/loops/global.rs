@@ -39,7 +39,7 @@ fn solve(map: &Map, params: &Params) -> Option<GlobalSolution> {
                 point: number,
                 pixel: observer.frame.pixel(feature),
                 right_u: f64::from(observer.frame.right_u[feature]),
-                inv_sigma_sq: information(&observer.frame, feature, params.feature_sigma_px),
+                inv_sigma_sq: information(&observer.frame, feature, params.noise()),
             });
         }
     }

@@ -149,7 +149,10 @@ fn similarity(
     let b = Sights::new(there, map, pairs.iter().map(|p| p.1));
     let weights: Vec<f64> = pairs
         .iter()
-        .map(|&(i, j)| f64::from(here.frame.activation[i as usize] * there.frame.activation[j as usize]))
+        .map(|&(i, j)| {
+            let (i, j) = (i as usize, j as usize);
+            params.weights.of_sample(&here.frame, i) * params.weights.of_sample(&there.frame, j)
+        })
         .collect();
     let estimator =
         SimilarityEstimator::new(a.seen_by(&here.frame), b.seen_by(&there.frame), params.loops.with_scale);
@@ -182,8 +185,7 @@ fn guided_refinement(
             &verified.matches,
             window,
         );
-        let refined =
-            refine(&here.frame, map, verified.cam_from_world, &searched.matches, params.feature_sigma_px);
+        let refined = refine(&here.frame, map, verified.cam_from_world, &searched.matches, params.noise());
         (found, visible) = (refined.inliers.len(), searched.visible);
         if found < params.loops.min_ransac_inliers {
             break;

@@ -86,7 +86,7 @@ impl Mapper {
                     point: point_index as u32,
                     pixel: observer.frame.pixel(feature),
                     right_u: f64::from(observer.frame.right_u[feature]),
-                    inv_sigma_sq: information(&observer.frame, feature, self.params.feature_sigma_px),
+                    inv_sigma_sq: information(&observer.frame, feature, self.params.noise()),
                 });
             }
         }

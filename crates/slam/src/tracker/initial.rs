@@ -183,7 +183,7 @@ impl Initialiser {
         let pixels_second: Vec<Vec2> = matches.iter().map(|m| second.pixel(m.1 as usize)).collect();
         let trust = |&(i, j): &(u32, u32)| {
             let (i, j) = (i as usize, j as usize);
-            first.inv_sigma_sq(i) * f64::from(first.activation[i] * second.activation[j])
+            first.inv_sigma_sq(i) * params.weights.of_sample(first, i) * params.weights.of_sample(second, j)
         };
         let weights: Vec<f64> = matches.iter().map(trust).collect();
         let reconstruction = TwoViewReconstruction {
@@ -224,7 +224,7 @@ fn adjust_pair(
                 point,
                 pixel: frame.pixel(feature),
                 right_u: f64::NAN,
-                inv_sigma_sq: information(frame, feature, params.feature_sigma_px),
+                inv_sigma_sq: information(frame, feature, params.noise()),
             });
         }
     }

@@ -133,7 +133,7 @@ impl LocalMap {
         let mut matches = start.matches.clone();
         matches.extend(search(frame, map, &visible, &start.matches, factor));
         matches.sort_unstable();
-        let refined = refine(frame, map, start.cam_from_world, &matches, params.feature_sigma_px);
+        let refined = refine(frame, map, start.cam_from_world, &matches, params.noise());
         Searched { visible, refined, n_matches: matches.len() }
     }
 

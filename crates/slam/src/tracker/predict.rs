@@ -82,7 +82,7 @@ impl Tracker {
             let positions: Vec<(u32, Vec3)> =
                 matches.iter().map(|&(f, source)| (f, sources[source].position)).collect();
             let (cam_from_world, agrees) =
-                refine_with_positions(frame, predicted, &positions, self.params.feature_sigma_px);
+                refine_with_positions(frame, predicted, &positions, self.params.noise());
             let agreeing = matches.iter().zip(&agrees).filter(|(_, agrees)| **agrees);
             let (found, needed) =
                 (agreeing.clone().count(), tracking.min_predicted_inliers.max(matches.len() / 3));

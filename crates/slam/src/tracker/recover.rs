@@ -36,8 +36,8 @@ pub(super) fn recover(
             continue;
         }
         let seed = mix_seed(params.seed, u64::from(frame.index), SEED_PURPOSE + (u64::from(keyframe.0) << 8));
-        let Some(initial) = pose_by_ransac(frame, map, &matches, seed) else { continue };
-        let pose = refine(frame, map, initial, &matches, params.feature_sigma_px);
+        let Some(initial) = pose_by_ransac(frame, map, &matches, params.weights, seed) else { continue };
+        let pose = refine(frame, map, initial, &matches, params.noise());
         if pose.inliers.len() >= tracking.min_predicted_inliers {
             return Ok(pose);
         }

@@ -56,8 +56,8 @@ fn from_keyframe(
     let purpose = SEED_PURPOSE + (u64::from(keyframe.id.0) << 8);
     let seed = mix_seed(params.seed, u64::from(frame.index), purpose);
     let few = |found| Lost::TooFewPredictedInliers { found, needed: MIN_INLIERS };
-    let initial = pose_by_ransac(frame, map, &matches, seed).ok_or(few(0))?;
-    let mut pose = refine(frame, map, initial, &matches, params.feature_sigma_px);
+    let initial = pose_by_ransac(frame, map, &matches, params.weights, seed).ok_or(few(0))?;
+    let mut pose = refine(frame, map, initial, &matches, params.noise());
     let points = points_around(map, keyframe.id, NEIGHBOURS);
     for window in WINDOWS {
         let found = pose.inliers.len();
@@ -68,7 +68,7 @@ fn from_keyframe(
             break;
         }
         let searched = search_points(frame, map, &pose.cam_from_world, &points, &pose.inliers, window);
-        pose = refine(frame, map, pose.cam_from_world, &searched.matches, params.feature_sigma_px);
+        pose = refine(frame, map, pose.cam_from_world, &searched.matches, params.noise());
     }
     if pose.inliers.len() >= MIN_INLIERS { Ok(pose) } else { Err(few(pose.inliers.len())) }
 }

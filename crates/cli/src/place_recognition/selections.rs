@@ -1,0 +1,150 @@
+//! The three selections of 500 features that are compared, for ORB and for dense learned features.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result, anyhow};
+use bow::Vocabulary;
+use dsfeat::{DenseNetwork, Model, Network};
+use features::{
+    ActivationMap, Contender, Extractor, ExtractorConfig, SelectionConfig, SelectionRule, Spread, select,
+};
+use geometry::{GrayImage, Raster, Vec2};
+use io::{FeatureSelection, FeatureSettings};
+
+use super::sight::{Look, Sight};
+use crate::activation::Known;
+use crate::network;
+use crate::network_args::{PlaceSelection, PlacesArgs};
+use crate::setup;
+
+/// Turns an image into what each selection keeps of it.
+pub(super) struct Describer {
+    selections: Vec<(PlaceSelection, SelectionConfig)>,
+    /// By selection; `trad` needs none.
+    networks: Vec<Option<Network>>,
+    extractor: Extractor,
+    dense: Option<DenseNetwork>,
+    vocabulary: Arc<Vocabulary>,
+}
+
+impl Describer {
+    /// Opens the networks that the selections need.
+    ///
+    /// # Errors
+    /// A model or a library that cannot be used.
+    pub(super) fn new(
+        args: &PlacesArgs,
+        settings: &FeatureSettings,
+        selections: &[PlaceSelection],
+        vocabulary: Arc<Vocabulary>,
+    ) -> Result<Self> {
+        let open = |selection: &PlaceSelection| {
+            let model = match selection {
+                PlaceSelection::Trad => return Ok(None),
+                PlaceSelection::Seman => Model::Semantic,
+                PlaceSelection::Ours => Model::Hybrid,
+            };
+            // A model of one's own takes the place of the hybrid one.
+            let own =
+                if model == Model::Hybrid { args.network.clone() } else { args.network.without_model() };
+            network::load(model, &own, settings.network_threads).map(Some)
+        };
+        let networks = selections.iter().map(open).collect::<Result<_>>()?;
+        let dense = match &args.features_model {
+            None => None,
+            Some(file) => {
+                let model =
+                    std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+                let library = args.network.onnxruntime.as_deref();
+                let network = DenseNetwork::load(&model, library, settings.network_threads);
+                Some(network.with_context(|| file.display().to_string())?)
+            }
+        };
+        let rule = |&selection: &PlaceSelection| {
+            let rule = match selection {
+                PlaceSelection::Trad | PlaceSelection::Seman => SelectionRule::Semantic,
+                PlaceSelection::Ours => SelectionRule::Activation,
+            };
+            let spread = if args.cells { Spread::Cells } else { Spread::Anywhere };
+            (selection, SelectionConfig { rule, keep: args.keep as usize, spread })
+        };
+        let candidates =
+            FeatureSettings { selection: FeatureSelection::Activation, keep: 1, ..settings.clone() };
+        let extraction: ExtractorConfig = setup::extractor(&candidates);
+        let extractor = Extractor::new(extraction);
+        let selections = selections.iter().map(rule).collect();
+        Ok(Self { selections, networks, extractor, dense, vocabulary })
+    }
+
+    /// What each selection keeps of an image, in their order.
+    ///
+    /// # Errors
+    /// A failure of a network.
+    pub(super) fn describe(&mut self, image: &GrayImage) -> Result<Vec<Sight>> {
+        let dense = self.dense.as_mut().map(|network| network.describe(image)).transpose()?;
+        let mut sights = Vec::with_capacity(self.selections.len());
+        for ((_, config), network) in self.selections.iter().zip(&mut self.networks) {
+            let map = match network {
+                Some(network) => network.activation(image)?,
+                None => everywhere(image)?,
+            };
+            sights.push(match &dense {
+                None => sparse(&mut self.extractor, image, map, config, &self.vocabulary)?,
+                Some(features) => {
+                    let size = (image.width, image.height);
+                    let contenders: Vec<Contender> = features
+                        .keypoints
+                        .iter()
+                        .map(|k| Contender { x: k.x, y: k.y, response: (k.score * 255.0) as u8 })
+                        .collect();
+                    let (kept, activation) = select(&contenders, &map, config, size);
+                    let trusted = |x: f32, y: f32| match config.rule {
+                        SelectionRule::Activation => map.at(x, y),
+                        SelectionRule::Semantic => f32::from(u8::from(map.at(x, y) >= 0.5)),
+                    };
+                    Sight {
+                        pixels: kept.iter().map(|&i| pixel(contenders[i].x, contenders[i].y)).collect(),
+                        trust: activation.into_iter().map(f64::from).collect(),
+                        look: Look::Dense {
+                            descriptors: kept.iter().map(|&i| features.keypoints[i].descriptor).collect(),
+                            mean: Box::new(features.weighted_mean(trusted)),
+                        },
+                    }
+                }
+            });
+        }
+        Ok(sights)
+    }
+}
+
+/// ORB features that a selection keeps, with their words.
+fn sparse(
+    extractor: &mut Extractor,
+    image: &GrayImage,
+    map: ActivationMap,
+    config: &SelectionConfig,
+    vocabulary: &Vocabulary,
+) -> Result<Sight> {
+    let chosen = extractor.extract_selected(image, config, &mut Known(map));
+    let (features, activation) = chosen.map_err(|reason| anyhow!(reason))?;
+    let described = vocabulary.transform(&features.descriptors, None);
+    Ok(Sight {
+        pixels: features.keypoints.iter().map(|k| pixel(k.x, k.y)).collect(),
+        trust: activation.into_iter().map(f64::from).collect(),
+        look: Look::Sparse {
+            keypoints: features.keypoints,
+            descriptors: features.descriptors,
+            bow: Arc::new(described.bow),
+            direct: described.direct,
+        },
+    })
+}
+
+/// Full trust in all of an image.
+fn everywhere(image: &GrayImage) -> Result<ActivationMap> {
+    ActivationMap::new(Raster::new(1, 1, 1.0), image.width, image.height).context("the image is empty")
+}
+
+fn pixel(x: f32, y: f32) -> Vec2 {
+    Vec2::new(f64::from(x), f64::from(y))
+}

@@ -1,0 +1,273 @@
+//! Dense learned features of a network that the user brings: XFeat (Potje et al., CVPR 2024) as ONNX.
+
+use std::fmt;
+use std::path::Path;
+
+use geometry::GrayImage;
+use ort::session::Session;
+use ort::value::TensorRef;
+
+use crate::error::Error;
+use crate::network::session;
+use crate::resize::Resizer;
+
+/// Numbers in a descriptor.
+pub const DENSE_CHANNELS: usize = 64;
+/// Pixels of the input per cell of the descriptor map.
+const CELL: usize = 8;
+/// Sides of the input are multiples of this.
+const MULTIPLE: usize = 32;
+/// Reach of the suppression of lower scores around a key-point, pixels of the input.
+const SUPPRESSION: usize = 2;
+/// Scores below this are no key-points (XFeat's own value).
+const MIN_SCORE: f32 = 0.05;
+/// Most key-points of an image.
+const MAX_KEYPOINTS: usize = 4096;
+
+/// A descriptor of unit length.
+pub type DenseDescriptor = [f32; DENSE_CHANNELS];
+
+/// A key-point with its descriptor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DenseKeypoint {
+    /// Column on the image, pixels.
+    pub x: f32,
+    /// Row on the image, pixels.
+    pub y: f32,
+    /// How much of a key-point it is, times how reliable its descriptor is, 0 to 1.
+    pub score: f32,
+    /// What it looks like.
+    pub descriptor: DenseDescriptor,
+}
+
+/// Features of an image.
+#[derive(Clone, Debug)]
+pub struct DenseFeatures {
+    /// Best score first.
+    pub keypoints: Vec<DenseKeypoint>,
+    map: DescriptorMap,
+    pixels_per_input: (f32, f32),
+}
+
+/// The network with its buffers.
+pub struct DenseNetwork {
+    session: Session,
+    resizer: Resizer,
+    pixels: Vec<f32>,
+}
+
+impl DenseNetwork {
+    /// Loads a model with a colour image as input, and the outputs `descriptors` (64 channels), `keypoint_logits` (65) and
+    /// `reliability` (1) at an eighth of its size. `library` and `threads` as for [`crate::Network::load`].
+    ///
+    /// # Errors
+    /// No library that can be used, no model, or one with other outputs.
+    pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
+        let session = session(model, library, threads)?;
+        for expected in ["descriptors", "keypoint_logits", "reliability"] {
+            if !session.outputs().iter().any(|output| output.name() == expected) {
+                let found = session.outputs().iter().map(|o| o.name()).collect::<Vec<_>>().join(", ");
+                let what = "the list of outputs".into();
+                return Err(Error::WrongShape { what, found, expected: format!("one called {expected}") });
+            }
+        }
+        Ok(Self { session, resizer: Resizer::default(), pixels: Vec::new() })
+    }
+
+    /// The features of an image of at least 32 x 32 pixels.
+    ///
+    /// # Errors
+    /// A smaller image, a failure of ONNX Runtime, or outputs of other shapes.
+    pub fn describe(&mut self, image: &GrayImage) -> Result<DenseFeatures, Error> {
+        let down = |side: usize| side / MULTIPLE * MULTIPLE;
+        let (width, height) = (down(image.width), down(image.height));
+        if width == 0 || height == 0 {
+            return Err(Error::Failed(format!("the image is smaller than {MULTIPLE} x {MULTIPLE} pixels")));
+        }
+        self.resizer.run(image, width, height, &mut self.pixels);
+        let colours = self.pixels.repeat(3);
+        let failed = |error: ort::Error| Error::Failed(error.to_string());
+        let tensor = TensorRef::from_array_view(([1, 3, height, width], &colours[..])).map_err(failed)?;
+        let outputs = self.session.run(ort::inputs![tensor]).map_err(failed)?;
+        let (columns, rows) = (width / CELL, height / CELL);
+        let output = |name: &str, channels: usize| {
+            let (shape, values) = outputs[name].try_extract_tensor::<f32>().map_err(failed)?;
+            let expected = [1, channels as i64, rows as i64, columns as i64];
+            if **shape != expected {
+                return Err(Error::Failed(format!(
+                    "output {name} has shape {shape:?}, expected {expected:?}"
+                )));
+            }
+            Ok(values)
+        };
+        let map = DescriptorMap::new(output("descriptors", DENSE_CHANNELS)?, columns, rows);
+        let scores =
+            scores(output("keypoint_logits", CELL * CELL + 1)?, output("reliability", 1)?, columns, rows);
+        let pixels_per_input = (image.width as f32 / width as f32, image.height as f32 / height as f32);
+        let keypoints = keypoints(&scores, (width, height), &map, pixels_per_input);
+        Ok(DenseFeatures { keypoints, map, pixels_per_input })
+    }
+}
+
+impl fmt::Debug for DenseNetwork {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("DenseNetwork")
+    }
+}
+
+impl DenseFeatures {
+    /// Mean of all descriptors of the image, weighted by `weight` at their pixels (the DSFeat paper's equation 3).
+    #[must_use]
+    pub fn weighted_mean(&self, weight: impl Fn(f32, f32) -> f32) -> DenseDescriptor {
+        let mut mean = [0.0; DENSE_CHANNELS];
+        let cells = self.map.columns * self.map.rows;
+        for cell in 0..cells {
+            let at = |i: usize, scale: f32| ((i as f32 + 0.5) * CELL as f32) * scale - 0.5;
+            let x = at(cell % self.map.columns, self.pixels_per_input.0);
+            let y = at(cell / self.map.columns, self.pixels_per_input.1);
+            let share = weight(x, y) / cells as f32;
+            mean.iter_mut().zip(self.map.cell(cell)).for_each(|(m, d)| *m += share * d);
+        }
+        mean
+    }
+}
+
+/// Descriptors of unit length, cell after cell.
+#[derive(Clone, Debug)]
+struct DescriptorMap {
+    columns: usize,
+    rows: usize,
+    values: Vec<f32>,
+}
+
+impl DescriptorMap {
+    /// From channels one after the other.
+    fn new(channels: &[f32], columns: usize, rows: usize) -> Self {
+        let cells = columns * rows;
+        let mut values = vec![0.0; cells * DENSE_CHANNELS];
+        for (cell, descriptor) in values.chunks_exact_mut(DENSE_CHANNELS).enumerate() {
+            descriptor.iter_mut().enumerate().for_each(|(c, value)| *value = channels[c * cells + cell]);
+            normalise(descriptor);
+        }
+        Self { columns, rows, values }
+    }
+
+    fn cell(&self, cell: usize) -> &[f32] {
+        &self.values[cell * DENSE_CHANNELS..(cell + 1) * DENSE_CHANNELS]
+    }
+
+    /// The descriptor at a pixel of the input, bilinear between cells.
+    fn at(&self, x: f32, y: f32) -> DenseDescriptor {
+        let place = |p: f32, len: usize| {
+            let position = ((p + 0.5) / CELL as f32 - 0.5).clamp(0.0, (len - 1) as f32);
+            let first = (position as usize).min(len - 1);
+            (first, (first + 1).min(len - 1), position - first as f32)
+        };
+        let ((x0, x1, dx), (y0, y1, dy)) = (place(x, self.columns), place(y, self.rows));
+        let mut descriptor = [0.0; DENSE_CHANNELS];
+        for (row, v) in [(y0, 1.0 - dy), (y1, dy)] {
+            for (column, u) in [(x0, 1.0 - dx), (x1, dx)] {
+                let cell = self.cell(row * self.columns + column);
+                descriptor.iter_mut().zip(cell).for_each(|(d, c)| *d += u * v * c);
+            }
+        }
+        normalise(&mut descriptor);
+        descriptor
+    }
+}
+
+fn normalise(descriptor: &mut [f32]) {
+    let norm = descriptor.iter().map(|d| d * d).sum::<f32>().sqrt().max(1e-12);
+    descriptor.iter_mut().for_each(|d| *d /= norm);
+}
+
+/// Score of each pixel of the input: the softmax over the 64 pixels of its cell and "no key-point", times the cell's
+/// reliability; 0 below the least score.
+fn scores(logits: &[f32], reliability: &[f32], columns: usize, rows: usize) -> Vec<f32> {
+    let (cells, width) = (columns * rows, columns * CELL);
+    let mut scores = vec![0.0; cells * CELL * CELL];
+    for cell in 0..cells {
+        let logit = |channel: usize| logits[channel * cells + cell];
+        let highest = (0..=CELL * CELL).map(logit).fold(f32::NEG_INFINITY, f32::max);
+        let sum: f32 = (0..=CELL * CELL).map(|channel| (logit(channel) - highest).exp()).sum();
+        for channel in 0..CELL * CELL {
+            let share = (logit(channel) - highest).exp() / sum;
+            let (x, y) = (cell % columns * CELL + channel % CELL, cell / columns * CELL + channel / CELL);
+            scores[y * width + x] =
+                if share >= MIN_SCORE { share * reliability[cell].clamp(0.0, 1.0) } else { 0.0 };
+        }
+    }
+    scores
+}
+
+/// Local maxima of the scores, best first, of equals the upper left one.
+fn keypoints(
+    scores: &[f32],
+    (width, height): (usize, usize),
+    map: &DescriptorMap,
+    scale: (f32, f32),
+) -> Vec<DenseKeypoint> {
+    let is_highest = |x: usize, y: usize| {
+        let own = scores[y * width + x];
+        let rows = y.saturating_sub(SUPPRESSION)..(y + SUPPRESSION + 1).min(height);
+        own > 0.0
+            && rows.into_iter().all(|v| {
+                let columns = x.saturating_sub(SUPPRESSION)..(x + SUPPRESSION + 1).min(width);
+                columns.into_iter().all(|u| {
+                    let other = scores[v * width + u];
+                    other < own || (other == own && (v, u) >= (y, x))
+                })
+            })
+    };
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let mut found: Vec<(usize, usize)> = places.filter(|&(x, y)| is_highest(x, y)).collect();
+    found.sort_by(|a, b| scores[b.1 * width + b.0].total_cmp(&scores[a.1 * width + a.0]));
+    found.truncate(MAX_KEYPOINTS);
+    let keypoint = |&(column, row): &(usize, usize)| {
+        let (x, y) = (column as f32, row as f32);
+        DenseKeypoint {
+            x: (x + 0.5) * scale.0 - 0.5,
+            y: (y + 0.5) * scale.1 - 0.5,
+            score: scores[row * width + column],
+            descriptor: map.at(x, y),
+        }
+    };
+    found.iter().map(keypoint).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pixel_with_the_high_logit_is_the_keypoint() {
+        let (columns, rows) = (3, 2);
+        let cells = columns * rows;
+        let mut logits = vec![0.0; 65 * cells];
+        logits[64 * cells..].fill(6.0);
+        // Cell (1, 1), pixel (2, 5) in it.
+        logits[(5 * CELL + 2) * cells + columns + 1] = 9.0;
+        let scores = scores(&logits, &vec![0.8; cells], columns, rows);
+        let channels: Vec<f32> = (0..DENSE_CHANNELS * cells).map(|i| ((i * 31) % 17) as f32 - 8.0).collect();
+        let map = DescriptorMap::new(&channels, columns, rows);
+        let found = keypoints(&scores, (columns * CELL, rows * CELL), &map, (2.0, 1.0));
+        assert_eq!(found.len(), 1);
+        assert_eq!(
+            (found[0].x, found[0].y),
+            (20.5, 13.0),
+            "pixel (10, 13) of the input, twice as wide on the image"
+        );
+        assert!(found[0].score > 0.7 && found[0].score < 0.8);
+        assert!((found[0].descriptor.iter().map(|d| d * d).sum::<f32>() - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn the_mean_follows_its_weights() {
+        let mut channels = vec![0.0; DENSE_CHANNELS * 2];
+        (channels[0], channels[3]) = (2.0, 5.0);
+        let map = DescriptorMap::new(&channels, 2, 1);
+        let features = DenseFeatures { keypoints: Vec::new(), map, pixels_per_input: (1.0, 1.0) };
+        let mean = features.weighted_mean(|x, _| if x < 8.0 { 1.0 } else { 0.5 });
+        assert_eq!((mean[0], mean[1], mean[2]), (0.5, 0.25, 0.0));
+    }
+}

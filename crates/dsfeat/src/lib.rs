@@ -1,0 +1,19 @@
+//! The activation network: which places of an image belong to the static, distinctive scene (DSFeat, Tian et al.).
+//!
+//! [`Network`] runs an ONNX model on a grey image and returns a [`features::ActivationMap`]; [`Model`] names the models
+//! that are part of the program. Only this crate uses ONNX Runtime, which is loaded when a network is: `library.rs` says
+//! where it is looked for. `training/` beside `src/` trains the models.
+
+mod dense;
+mod error;
+mod heat;
+mod library;
+mod models;
+mod network;
+mod resize;
+
+pub use dense::{DENSE_CHANNELS, DenseDescriptor, DenseFeatures, DenseKeypoint, DenseNetwork};
+pub use error::Error;
+pub use heat::{Rgb, heat_map};
+pub use models::Model;
+pub use network::Network;

@@ -1,0 +1,127 @@
+//! Where ONNX Runtime is, and the one environment of the process in it.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use ort::environment::Environment;
+
+use crate::error::Error;
+
+/// Names a library directly.
+const VARIABLE: &str = "ORT_DYLIB_PATH";
+/// What the file's name begins with; a version may follow.
+const FILE: &str = "libonnxruntime.so";
+/// Folders that distributions install libraries in.
+const SYSTEM: [&str; 6] = [
+    "/usr/local/lib",
+    "/usr/lib",
+    "/usr/lib64",
+    "/usr/lib/x86_64-linux-gnu",
+    "/usr/lib/aarch64-linux-gnu",
+    "/opt/onnxruntime/lib",
+];
+
+/// ONNX Runtime allows one environment per process, which stays until the process ends. A failure stays as well: `ort` must
+/// not be asked to load a library again after one that could not be loaded.
+static ENVIRONMENT: Mutex<Option<Result<Environment, Error>>> = Mutex::new(None);
+
+/// The environment, made with `library` or the first library found when none has been loaded yet.
+///
+/// # Errors
+/// [`Error::NoLibrary`], [`Error::BadLibrary`].
+pub(crate) fn environment(library: Option<&Path>) -> Result<Environment, Error> {
+    let mut slot = ENVIRONMENT.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(loaded) = &*slot {
+        return loaded.clone();
+    }
+    let path = match library {
+        Some(path) => path.to_owned(),
+        None => find()?,
+    };
+    let bad = |reason: String| Error::BadLibrary { path: path.clone(), reason };
+    // Relative paths would be looked for beside the program.
+    let absolute = std::path::absolute(&path).map_err(|error| bad(error.to_string()))?;
+    fs::metadata(&absolute).map_err(|error| bad(error.to_string()))?;
+    slot.insert(load(&absolute).map_err(bad)).clone()
+}
+
+/// Loads the library and makes the environment.
+fn load(path: &Path) -> Result<Environment, String> {
+    let builder = ort::init_from(path).map_err(|error| error.to_string())?;
+    builder.with_name("dsslam").with_telemetry(false).build().map_err(|error| error.to_string())
+}
+
+/// The library that the environment variable names, else the first one in the usual folders.
+fn find() -> Result<PathBuf, Error> {
+    if let Some(path) = env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
+        return Ok(path.into());
+    }
+    let folders = folders();
+    folders.iter().find_map(|folder| newest_in(folder)).ok_or(Error::NoLibrary { folders })
+}
+
+/// Beside the program, the user's folder for data (also as `pip install --target` fills it), those of the system.
+fn folders() -> Vec<PathBuf> {
+    let mut folders = Vec::new();
+    let program = env::current_exe().ok().and_then(|file| file.parent().map(Path::to_owned));
+    if let Some(folder) = program {
+        folders.extend([folder.join("../lib/dsslam"), folder.clone()].into_iter().rev());
+    }
+    let home = env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/share"));
+    if let Some(data) = env::var_os("XDG_DATA_HOME").map(PathBuf::from).or(home) {
+        folders.extend([data.join("dsslam"), data.join("dsslam/onnxruntime/capi")]);
+    }
+    folders.extend(SYSTEM.map(PathBuf::from));
+    folders
+}
+
+/// The newest library in a folder, whole numbers of the version compared; a name without version comes first.
+fn newest_in(folder: &Path) -> Option<PathBuf> {
+    let entries = fs::read_dir(folder).ok()?;
+    let found = entries.filter_map(|entry| {
+        let path = entry.ok()?.path();
+        let version = path.file_name()?.to_str()?.strip_prefix(FILE)?.to_owned();
+        let is_one = version.is_empty() || version.starts_with('.');
+        (is_one && path.is_file()).then_some((rank(&version), path))
+    });
+    found.max().map(|(_, path)| path)
+}
+
+/// Rank of what follows the name: nothing above all versions, then the higher version.
+fn rank(version: &str) -> (bool, Vec<u64>) {
+    let numbers = version.split('.').filter_map(|part| part.parse().ok()).collect();
+    (version.is_empty(), numbers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_library_of_a_folder_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(newest_in(folder.path()), None);
+        let file = |name: &str| folder.path().join(name);
+        for name in
+            ["libonnxruntime.so.1.9.0", "libonnxruntime.so.1.24.4", "libonnxruntime.sofa", "libother.so"]
+        {
+            fs::write(file(name), "").unwrap();
+        }
+        assert_eq!(newest_in(folder.path()), Some(file("libonnxruntime.so.1.24.4")));
+        fs::write(file("libonnxruntime.so"), "").unwrap();
+        assert_eq!(newest_in(folder.path()), Some(file("libonnxruntime.so")));
+        assert_eq!(newest_in(&file("missing")), None);
+    }
+
+    #[test]
+    fn a_missing_library_is_explained_with_one_command() {
+        let text = Error::NoLibrary { folders: vec!["/a".into(), "/b".into()] }.to_string();
+        assert!(text.contains("neither beside the program nor in /a, /b"), "{text}");
+        assert!(
+            text.contains("\n  python3 -m pip install") && text.contains("features.selection=response"),
+            "{text}"
+        );
+    }
+}

@@ -1,0 +1,143 @@
+//! A model, ready to turn images into activation maps.
+
+use std::fmt;
+use std::path::Path;
+
+use features::{ActivationMap, ActivationSource};
+use geometry::{GrayImage, Raster};
+use ort::session::Session;
+use ort::session::builder::GraphOptimizationLevel;
+use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
+
+use crate::error::Error;
+use crate::library;
+use crate::resize::Resizer;
+
+/// Largest side of a network's input.
+const MAX_SIDE: usize = 8192;
+
+/// A loaded model with its buffers. The same image gives the same map, for any number of threads.
+pub struct Network {
+    session: Session,
+    width: usize,
+    height: usize,
+    resizer: Resizer,
+    pixels: Vec<f32>,
+}
+
+impl Network {
+    /// Loads an ONNX model: one input of shape 1 x 1 x height x width for a grey image of 0 to 1, one output of shape
+    /// 1 x 1 x rows x columns. `library` is the file of ONNX Runtime, by default the first one found; the first network of
+    /// the process decides. `threads` is the number of threads of a run, at least 1.
+    ///
+    /// # Errors
+    /// No library that can be used, no model, or one with another input or output.
+    pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
+        let session = session(model, library, threads)?;
+        let [input] = session.inputs() else {
+            return Err(wrong("the number of inputs", session.inputs().len(), "1"));
+        };
+        let [output] = session.outputs() else {
+            return Err(wrong("the number of outputs", session.outputs().len(), "1"));
+        };
+        let (width, height) = image_size(input)?;
+        check_output(output)?;
+        Ok(Self { session, width, height, resizer: Resizer::default(), pixels: Vec::new() })
+    }
+
+    /// Width and height of the network's input, pixels.
+    #[must_use]
+    pub fn input_size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// The activation map of an image of any size; the image is resized to the network's input without regard to its
+    /// proportions.
+    ///
+    /// # Errors
+    /// An empty image, a failure of ONNX Runtime, or an output that is no map.
+    pub fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, Error> {
+        if image.data.is_empty() {
+            return Err(Error::Failed("the image is empty".into()));
+        }
+        let (width, height) = (self.width, self.height);
+        self.resizer.run(image, width, height, &mut self.pixels);
+        let failed = |error: ort::Error| Error::Failed(error.to_string());
+        let tensor = TensorRef::from_array_view(([1, 1, height, width], &self.pixels[..])).map_err(failed)?;
+        let outputs = self.session.run(ort::inputs![tensor]).map_err(failed)?;
+        let (shape, values) = outputs[0].try_extract_tensor::<f32>().map_err(failed)?;
+        let map = match **shape {
+            [1, 1, rows, columns] => Raster::from_vec(columns as usize, rows as usize, values.to_vec()),
+            _ => None,
+        };
+        map.and_then(|map| ActivationMap::new(map, image.width, image.height)).ok_or_else(|| {
+            Error::Failed(format!(
+                "its output of shape {shape:?} is no map of numbers, expected 1 x 1 x rows x columns"
+            ))
+        })
+    }
+}
+
+impl ActivationSource for Network {
+    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String> {
+        Network::activation(self, image).map_err(|error| error.to_string())
+    }
+}
+
+impl fmt::Debug for Network {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Network({} x {})", self.width, self.height)
+    }
+}
+
+/// A model as ONNX Runtime runs it, with settings under which the same input gives the same bits.
+pub(crate) fn session(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Session, Error> {
+    let environment = library::environment(library)?;
+    Session::builder(&environment)
+        .map_err(|error| Error::BadModel(error.to_string()))?
+        .with_optimization_level(GraphOptimizationLevel::All)
+        .map_err(|error| Error::BadModel(error.to_string()))?
+        .with_intra_threads(threads.max(1))
+        .map_err(|error| Error::BadModel(error.to_string()))?
+        .with_intra_op_spinning(false)
+        .map_err(|error| Error::BadModel(error.to_string()))?
+        .with_deterministic_compute(true)
+        .map_err(|error| Error::BadModel(error.to_string()))?
+        .commit_from_memory(model)
+        .map_err(|error| Error::BadModel(error.to_string()))
+}
+
+/// Width and height of an input of shape 1 x 1 x height x width.
+fn image_size(input: &Outlet) -> Result<(usize, usize), Error> {
+    let side = |length: i64| usize::try_from(length).ok().filter(|side| (1..=MAX_SIDE).contains(side));
+    let size = match input.dtype() {
+        ValueType::Tensor { ty: TensorElementType::Float32, shape, .. } => match **shape {
+            [1, 1, height, width] => side(width).zip(side(height)),
+            _ => None,
+        },
+        _ => None,
+    };
+    size.ok_or_else(|| {
+        wrong(
+            &format!("input {}", input.name()),
+            input.dtype(),
+            "a float tensor of shape 1 x 1 x height x width",
+        )
+    })
+}
+
+/// Checks that an output is a tensor of four dimensions.
+fn check_output(output: &Outlet) -> Result<(), Error> {
+    match output.dtype() {
+        ValueType::Tensor { ty: TensorElementType::Float32, shape, .. } if shape.len() == 4 => Ok(()),
+        other => Err(wrong(
+            &format!("output {}", output.name()),
+            other,
+            "a float tensor of shape 1 x 1 x rows x columns",
+        )),
+    }
+}
+
+fn wrong(what: &str, found: impl fmt::Display, expected: &str) -> Error {
+    Error::WrongShape { what: what.into(), found: found.to_string(), expected: expected.into() }
+}

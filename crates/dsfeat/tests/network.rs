@@ -1,0 +1,105 @@
+//! Networks on ONNX Runtime: known answers of tiny models, the same bits for any number of threads, refusals.
+//!
+//! Where ONNX Runtime is not installed these tests say so and check nothing.
+#![allow(clippy::print_stdout, reason = "a skipped test says so")]
+
+use std::path::Path;
+
+use dsfeat::{Error, Model, Network};
+use geometry::GrayImage;
+
+/// Side of the squares over which the test model averages, in pixels of its input.
+const SIDE: usize = 4;
+
+/// A model of `data/`, written by `data/make_models.py`.
+fn file(name: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name);
+    std::fs::read(path).expect("the file is part of the repository")
+}
+
+/// What loading gives; `None`, said aloud, without ONNX Runtime.
+fn load(model: &[u8], threads: usize) -> Option<Result<Network, Error>> {
+    match Network::load(model, None, threads) {
+        Err(Error::NoLibrary { .. }) => {
+            println!("skipped: ONNX Runtime is not installed");
+            None
+        }
+        other => Some(other),
+    }
+}
+
+fn image(width: usize, height: usize) -> GrayImage {
+    GrayImage::from_fn(width, height, |x, y| ((x * 7 + y * 13 + x * y / 5) % 256) as u8)
+}
+
+#[test]
+fn the_map_is_what_the_model_computes_of_the_image() {
+    let Some(network) = load(&file("mean_4.onnx"), 1) else { return };
+    let mut network = network.unwrap();
+    assert_eq!(network.input_size(), (64, 32));
+    let image = image(64, 32);
+    let map = network.activation(&image).unwrap();
+    assert_eq!((map.values().width, map.values().height), (16, 8));
+    for (column, row) in [(0, 0), (5, 3), (15, 7)] {
+        let square = (0..SIDE * SIDE).map(|i| (SIDE * column + i % SIDE, SIDE * row + i / SIDE));
+        let sum: f32 = square.map(|(x, y)| f32::from(image.at(x, y))).sum();
+        let expected = sum / (SIDE * SIDE) as f32 / 255.0;
+        assert!((map.values().at(column, row) - expected).abs() < 1e-5, "{column}, {row}");
+        let (x, y) = ((SIDE * column) as f32 + 1.5, (SIDE * row) as f32 + 1.5);
+        assert!((map.at(x, y) - expected).abs() < 1e-5, "sampled at the centre of the square");
+    }
+}
+
+#[test]
+fn an_image_of_any_size_is_covered_from_corner_to_corner() {
+    let Some(network) = load(&file("mean_4.onnx"), 1) else { return };
+    let mut network = network.unwrap();
+    for (width, height) in [(1241, 376), (640, 480), (20, 10)] {
+        let bright_below = GrayImage::from_fn(width, height, |_, y| if y < height / 2 { 0 } else { 255 });
+        let map = network.activation(&bright_below).unwrap();
+        let (x, bottom) = (width as f32 / 3.0, (height - 1) as f32);
+        assert!(map.at(x, 0.0) < 1e-5 && map.at(x, bottom) > 1.0 - 1e-5, "{width} x {height}");
+    }
+}
+
+#[test]
+fn the_same_bits_for_any_number_of_threads() {
+    for model in [Model::Hybrid, Model::Semantic] {
+        let Some(network) = load(model.bytes(), 1) else { return };
+        let image = image(1241, 376);
+        let once = network.unwrap().activation(&image).unwrap();
+        for threads in [1, 2, 4] {
+            let mut network = Network::load(model.bytes(), None, threads).unwrap();
+            for _ in 0..2 {
+                assert!(network.activation(&image).unwrap() == once, "{model:?} with {threads} threads");
+            }
+        }
+    }
+}
+
+#[test]
+fn other_models_are_refused() {
+    let Some(first) = load(&file("colour.onnx"), 1) else { return };
+    let refusal = |result: Result<Network, Error>| result.unwrap_err().to_string();
+    let text = refusal(first);
+    assert!(text.starts_with("cannot be used as a model: input image is"), "{text}");
+    assert!(text.ends_with("expected a float tensor of shape 1 x 1 x height x width"), "{text}");
+    let text = refusal(Network::load(&file("flat.onnx"), None, 1));
+    assert!(text.contains("output activation is") && text.contains("1 x 1 x rows x columns"), "{text}");
+    let text = refusal(Network::load(&file("two_inputs.onnx"), None, 1));
+    assert_eq!(text, "cannot be used as a model: the number of inputs is 2, expected 1");
+    let whole = file("mean_4.onnx");
+    let text = refusal(Network::load(&whole[..whole.len() / 2], None, 1));
+    assert!(text.starts_with("cannot be used as a model: "), "{text}");
+    assert!(refusal(Network::load(b"", None, 1)).starts_with("cannot be used as a model: "));
+}
+
+#[test]
+fn a_map_of_what_is_no_number_is_refused() {
+    let Some(network) = load(&file("not_a_number.onnx"), 1) else { return };
+    let mut network = network.unwrap();
+    assert!(network.activation(&GrayImage::new(64, 32, 9)).is_ok());
+    let error = network.activation(&GrayImage::new(64, 32, 0)).unwrap_err().to_string();
+    assert!(error.starts_with("the network failed: its output"), "{error}");
+    assert!(matches!(network.activation(&GrayImage::default()), Err(Error::Failed(_))));
+}

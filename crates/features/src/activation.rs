@@ -1,0 +1,106 @@
+//! How far a network trusts each place of an image: plain data, and where it comes from.
+
+use geometry::{GrayImage, Raster};
+use std::fmt::Debug;
+
+/// Trust in the places of an image: 1 for the static, distinctive scene, 0 for what moves or looks like much else.
+///
+/// The map is usually coarser than the image; the corners of both coincide.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActivationMap {
+    values: Raster<f32>,
+    columns_per_pixel: f32,
+    rows_per_pixel: f32,
+}
+
+/// Makes the activation map of an image; a network outside this crate, or anything else in tests.
+pub trait ActivationSource: Debug + Send {
+    /// The map of `image`.
+    ///
+    /// # Errors
+    /// Why there is none, in words.
+    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String>;
+}
+
+impl ActivationMap {
+    /// A map of an image of `width` x `height` pixels. Values are clamped to [0, 1]; `None` where one of them is not a
+    /// number, or map or image are empty.
+    #[must_use]
+    pub fn new(mut values: Raster<f32>, width: usize, height: usize) -> Option<Self> {
+        if values.data.is_empty() || width == 0 || height == 0 || values.data.iter().any(|v| v.is_nan()) {
+            return None;
+        }
+        values.data.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
+        let columns_per_pixel = values.width as f32 / width as f32;
+        let rows_per_pixel = values.height as f32 / height as f32;
+        Some(Self { values, columns_per_pixel, rows_per_pixel })
+    }
+
+    /// The map's own values, as coarse as they are.
+    #[must_use]
+    pub fn values(&self) -> &Raster<f32> {
+        &self.values
+    }
+
+    /// Activation at a position in pixels of the image (whole numbers are centres of pixels), bilinear between the map's
+    /// values and constant beyond the outermost ones.
+    #[must_use]
+    pub fn at(&self, x: f32, y: f32) -> f32 {
+        let (x0, x1, dx) = between((x + 0.5) * self.columns_per_pixel - 0.5, self.values.width);
+        let (y0, y1, dy) = between((y + 0.5) * self.rows_per_pixel - 0.5, self.values.height);
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let upper = mix(self.values.at(x0, y0), self.values.at(x1, y0), dx);
+        let lower = mix(self.values.at(x0, y1), self.values.at(x1, y1), dx);
+        mix(upper, lower, dy)
+    }
+}
+
+/// The indices on both sides of a position among `len` values, and how far it is from the first to the second.
+fn between(position: f32, len: usize) -> (usize, usize, f32) {
+    let last = len - 1;
+    let position = position.clamp(0.0, last as f32);
+    let first = (position as usize).min(last);
+    (first, (first + 1).min(last), position - first as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn corners_coincide_and_values_lie_at_the_centres_of_their_cells() {
+        let values = Raster::from_vec(2, 2, vec![0.0, 1.0, 0.5, 0.5]).unwrap();
+        let map = ActivationMap::new(values, 20, 10).unwrap();
+        // Cells of 10 x 5 pixels; their centres are at 4.5 and 14.5, 2 and 7.
+        assert_eq!(map.at(4.5, 2.0), 0.0);
+        assert_eq!(map.at(14.5, 2.0), 1.0);
+        assert_eq!(map.at(9.5, 2.0), 0.5);
+        assert_eq!(map.at(14.5, 4.5), 0.75);
+        assert_eq!(map.at(-30.0, -3.0), 0.0, "constant beyond the edge");
+        assert_eq!(map.at(100.0, 0.0), 1.0);
+    }
+
+    #[test]
+    fn what_is_no_map_is_refused() {
+        let ok = Raster::new(2, 2, 0.5);
+        assert!(ActivationMap::new(ok.clone(), 0, 10).is_none());
+        assert!(ActivationMap::new(ok.clone(), 10, 0).is_none());
+        assert!(ActivationMap::new(Raster::new(0, 0, 0.5), 10, 10).is_none());
+        assert!(ActivationMap::new(Raster::new(2, 2, f32::NAN), 10, 10).is_none());
+        let clamped = ActivationMap::new(Raster::new(2, 2, 7.0), 10, 10).unwrap();
+        assert_eq!(clamped.at(3.0, 3.0), 1.0);
+    }
+
+    proptest! {
+        #[test]
+        fn a_plane_is_reproduced_between_the_outermost_centres(
+            x in 5.0f32..75.0, y in 5.0f32..35.0,
+        ) {
+            let values = Raster::from_fn(8, 4, |i, j| 0.1 * i as f32 + 0.05 * j as f32);
+            let map = ActivationMap::new(values, 80, 40).unwrap();
+            let expected = 0.1 * ((x + 0.5) / 10.0 - 0.5) + 0.05 * ((y + 0.5) / 10.0 - 0.5);
+            prop_assert!((map.at(x, y) - expected).abs() < 1e-5);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Features selected by activation: only trusted places are kept where there are enough, a selection changes nothing in the
+//! features themselves, and the same input gives the same bits.
+
+mod common;
+
+use common::{config, render};
+use features::{
+    ActivationMap, ActivationSource, Extractor, Features, SelectionConfig, SelectionRule, Spread,
+};
+use geometry::{GrayImage, Raster};
+
+/// Gives the same values for every image.
+#[derive(Debug)]
+struct Fixed(Raster<f32>);
+
+impl ActivationSource for Fixed {
+    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String> {
+        ActivationMap::new(self.0.clone(), image.width, image.height).ok_or_else(|| "no map".to_owned())
+    }
+}
+
+const ACTIVATION: SelectionConfig =
+    SelectionConfig { rule: SelectionRule::Activation, keep: 200, spread: Spread::Cells };
+
+fn image() -> GrayImage {
+    render(|x, y| (x, y))
+}
+
+fn selected(selection: SelectionConfig, map: Raster<f32>) -> (Features, Vec<f32>) {
+    let mut extractor = Extractor::new(config());
+    extractor.extract_selected(&image(), &selection, &mut Fixed(map)).expect("the map is one")
+}
+
+/// Activation `left` in the left half of the image and `right` in the right.
+fn halves(left: f32, right: f32) -> Raster<f32> {
+    Raster::from_fn(64, 8, |x, _| if x < 32 { left } else { right })
+}
+
+fn n_left(features: &Features) -> usize {
+    let middle = image().width as f32 / 2.0;
+    features.keypoints.iter().filter(|k| k.x < middle).count()
+}
+
+#[test]
+fn a_selection_leaves_features_and_their_order_as_they_are() {
+    let all = Extractor::new(config()).extract(&image());
+    let (same, activation) =
+        selected(SelectionConfig { keep: 100_000, ..ACTIVATION }, Raster::new(4, 4, 0.8));
+    assert_eq!(same, all);
+    assert!(activation.len() == all.keypoints.len() && activation.iter().all(|a| (a - 0.8).abs() < 1e-6));
+    let (some, _) = selected(ACTIVATION, Raster::new(4, 4, 0.8));
+    assert_eq!(some.keypoints.len(), 200);
+    let mut rest = all.keypoints.iter().zip(&all.descriptors);
+    for wanted in some.keypoints.iter().zip(&some.descriptors) {
+        assert!(rest.any(|feature| feature == wanted), "in the same order");
+    }
+}
+
+#[test]
+fn only_trusted_places_are_kept_where_there_are_enough() {
+    for spread in [Spread::Cells, Spread::Anywhere] {
+        for rule in [SelectionRule::Activation, SelectionRule::Semantic] {
+            let selection = SelectionConfig { rule, spread, ..ACTIVATION };
+            let (features, activation) = selected(selection, halves(0.1, 0.9));
+            assert_eq!(features.keypoints.len(), 200, "{selection:?}");
+            assert!(activation.iter().all(|&a| a >= 0.5), "{selection:?}");
+            assert!(n_left(&features) <= 10, "{selection:?}: {}", n_left(&features));
+        }
+    }
+}
+
+#[test]
+fn what_is_missing_comes_from_other_places_by_activation_only() {
+    let few = Raster::from_fn(100, 1, |x, _| if x < 5 { 0.9 } else { 0.3 * (x as f32 / 100.0) });
+    let (features, activation) = selected(ACTIVATION, few.clone());
+    assert_eq!(features.keypoints.len(), 200);
+    assert!(activation.iter().any(|&a| a >= 0.5) && activation.iter().any(|&a| a < 0.5));
+    let semantic = SelectionConfig { rule: SelectionRule::Semantic, ..ACTIVATION };
+    let (features, activation) = selected(semantic, few);
+    assert!(!features.keypoints.is_empty() && features.keypoints.len() < 200);
+    assert!(activation.iter().all(|&a| a >= 0.5));
+}
+
+#[test]
+fn spread_features_cover_the_image_more_evenly() {
+    // The best of the image are in a narrow band; of each cell the best are everywhere.
+    let band = || Raster::from_fn(16, 1, |x, _| if (6..10).contains(&x) { 1.0 } else { 0.8 });
+    let in_band = |features: &Features| {
+        let width = image().width as f32;
+        let inside = |x: f32| (0.37..0.63).contains(&(x / width));
+        features.keypoints.iter().filter(|k| inside(k.x)).count()
+    };
+    let cells = in_band(&selected(ACTIVATION, band()).0);
+    let anywhere = in_band(&selected(SelectionConfig { spread: Spread::Anywhere, ..ACTIVATION }, band()).0);
+    assert!(anywhere > 2 * cells, "{anywhere} anywhere, {cells} with cells");
+}
+
+#[test]
+fn of_equally_trusted_places_the_strongest_responses_are_kept() {
+    let anywhere = SelectionConfig { spread: Spread::Anywhere, ..ACTIVATION };
+    let (features, _) = selected(anywhere, Raster::new(1, 1, 0.9));
+    let all = Extractor::new(config()).extract(&image());
+    let weakest =
+        features.keypoints.iter().map(|k| k.response).min_by(f32::total_cmp).expect("there are some");
+    let stronger = all.keypoints.iter().filter(|k| k.response > weakest).count();
+    assert!(stronger <= 200 && features.keypoints.len() == 200);
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let reference = selected(ACTIVATION, halves(0.3, 0.7));
+    for n in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads");
+        let again = pool.install(|| selected(ACTIVATION, halves(0.3, 0.7)));
+        assert_eq!(again, reference, "{n} threads");
+    }
+}
+
+#[test]
+fn a_source_without_a_map_gives_its_reason() {
+    let mut extractor = Extractor::new(config());
+    let nothing = &mut Fixed(Raster::new(0, 0, 0.0));
+    assert_eq!(extractor.extract_selected(&image(), &ACTIVATION, nothing), Err("no map".to_owned()));
+    let (features, activation) = extractor
+        .extract_selected(&GrayImage::new(20, 20, 9), &ACTIVATION, &mut Fixed(Raster::new(1, 1, 1.0)))
+        .expect("too small an image has no features");
+    assert!(features.keypoints.is_empty() && activation.is_empty());
+}
