@@ -93,6 +93,30 @@ pub(crate) struct RunArgs {
     /// With --load-map: only finds the camera in the map and inserts nothing.
     #[arg(long, requires = "load_map", help_heading = "Places and maps")]
     pub(crate) localize: bool,
+    /// Who watches the run.
+    #[command(flatten)]
+    pub(crate) show: ShowArgs,
+}
+
+/// Who watches a run.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Watching")]
+pub(crate) struct ShowArgs {
+    /// Writes events.dslog into the results folder: what `dsslam view` shows of the run later.
+    #[arg(long)]
+    pub(crate) events: bool,
+    /// Opens the Rerun viewer and shows the run while it goes on.
+    #[arg(long)]
+    pub(crate) rerun: bool,
+    /// Writes a file for the Rerun viewer.
+    #[arg(long, value_name = "FILE.rrd", conflicts_with = "rerun")]
+    pub(crate) rerun_save: Option<PathBuf>,
+    /// Streams to a Rerun viewer that is running; without URL to the one on this machine.
+    #[arg(long, value_name = "URL", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["rerun", "rerun_save"])]
+    pub(crate) rerun_connect: Option<String>,
+    /// Shows images and features of every N-th frame only.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) rerun_every: u32,
 }
 
 /// How the stages of a run share time.
@@ -139,6 +163,9 @@ pub(crate) struct DemoArgs {
     /// Writes the results into this folder instead of results/PRESET/TIME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Who watches the run.
+    #[command(flatten)]
+    pub(crate) show: ShowArgs,
 }
 
 /// Arguments of `dsslam synth`.

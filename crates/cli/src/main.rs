@@ -18,6 +18,7 @@ mod report;
 mod results;
 mod run;
 mod setup;
+mod show;
 mod stop;
 mod summary;
 mod tables;

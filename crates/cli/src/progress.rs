@@ -138,7 +138,10 @@ impl Observer for Progress {
             Event::Keyframe { .. }
             | Event::LoopFound { .. }
             | Event::GlobalAdopted { .. }
-            | Event::GlobalDiscarded => {}
+            | Event::GlobalDiscarded
+            | Event::Details(_)
+            | Event::Published(_)
+            | Event::Stages { .. } => {}
         }
     }
 }

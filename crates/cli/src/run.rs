@@ -13,6 +13,7 @@ use crate::job::{self, Job};
 use crate::places;
 use crate::results::ResultsFolder;
 use crate::setup;
+use crate::show;
 use crate::stop;
 use crate::summary::Context;
 
@@ -33,6 +34,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     places::complete(&mut setup, args, sequence.sensor)?;
     let replay = places::journal(args).or_input()?;
     let extras = places::extras(args).or_output()?;
+    let viewer = show::viewer(&args.show)?;
     let stop = stop::on_signal();
     let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), &sequence.name).or_output()?;
     for notice in &notices {
@@ -55,6 +57,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
         replay,
         folder,
         extras,
+        show: args.show.clone(),
+        viewer,
         watch,
     };
     job::execute(job, &stop).map(|(_, exit)| exit)

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use features::{Frame, FrameBuilder};
+use geometry::GrayImage;
 use io::LoadedFrame;
 
 use crate::feed::FrameInfo;
 use crate::fetch::Fetched;
+use crate::job::Job;
 use crate::setup::{Sensor, Setup};
 use crate::timings::Stopwatch;
 
@@ -16,6 +18,8 @@ pub(crate) struct Extracted {
     pub(crate) n: usize,
     pub(crate) info: FrameInfo,
     pub(crate) frame: Result<Arc<Frame>, String>,
+    /// The left image, if an observer wants details.
+    pub(crate) image: Option<Arc<GrayImage>>,
     pub(crate) watch: Stopwatch,
 }
 
@@ -23,17 +27,21 @@ pub(crate) struct Extracted {
 pub(crate) struct ExtractStage<'a> {
     setup: &'a Setup,
     builder: FrameBuilder,
+    /// Whether an observer wants details.
+    details: bool,
 }
 
 impl<'a> ExtractStage<'a> {
-    pub(crate) fn new(setup: &'a Setup, disparity_offset_px: f64) -> Self {
+    pub(crate) fn new(job: &Job<'a>) -> Self {
+        let setup = job.setup;
         let builder = FrameBuilder::new(
             setup.rig.clone(),
             setup.extractor.clone(),
             setup.stereo.clone(),
             setup.depth.clone(),
         );
-        ExtractStage { setup, builder: builder.with_disparity_offset(disparity_offset_px) }
+        let builder = builder.with_disparity_offset(job.disparity_offset_px);
+        ExtractStage { setup, builder, details: job.details }
     }
 
     /// Makes a frame of images.
@@ -41,10 +49,14 @@ impl<'a> ExtractStage<'a> {
         let Fetched { n, info, images, decode_ms } = fetched;
         let mut watch = Stopwatch::new(info.index);
         watch.add("decode", decode_ms);
+        let mut image = None;
         let frame = images.and_then(|images| usable(images, self.setup)).map(|images| {
-            watch.time("extract", |_| Arc::new(build(&mut self.builder, self.setup.sensor, info, &images)))
+            let sensor = self.setup.sensor;
+            let frame = watch.time("extract", |_| Arc::new(build(&mut self.builder, sensor, info, &images)));
+            image = self.details.then(|| Arc::new(images.left));
+            frame
         });
-        Extracted { n, info, frame, watch }
+        Extracted { n, info, frame, image, watch }
     }
 }
 

@@ -15,6 +15,7 @@
 //! `threads.rs` (how stages are joined).
 
 mod corrections;
+mod details;
 mod events;
 mod extract;
 mod failure;
@@ -38,12 +39,14 @@ mod rule;
 mod run;
 mod service;
 mod setup;
+mod stream;
 mod thread_work;
 mod threads;
 mod timings;
 mod track;
 mod view;
 
+pub use details::FrameDetails;
 pub use events::{Event, Observer, Silent};
 pub use failure::StageFailure;
 pub use faults::Faults;
@@ -54,4 +57,5 @@ pub use record::{FrameRecord, FrameStatus, RunError, RunOutcome};
 pub use replay::replay;
 pub use run::run;
 pub use setup::{DEFAULT_LAG, DEFAULT_LOOP_LAG, Schedule, Sensor, Setup};
+pub use stream::{EventStream, StreamOptions, StreamReport};
 pub use timings::{FrameTimings, Summary, Timings};

@@ -7,6 +7,7 @@ mod bad_euroc;
 mod bad_images;
 mod bad_sequence;
 mod end_to_end;
+mod event_stream;
 mod map_file;
 mod program;
 mod real_data;
@@ -15,6 +16,7 @@ mod schedules;
 mod schedules_of_the_program;
 mod sequence;
 mod vocabulary;
+mod watching;
 
 use std::path::{Path, PathBuf};
 

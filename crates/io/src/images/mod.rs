@@ -12,7 +12,7 @@ use geometry::{DepthImage, GrayImage, Raster};
 use crate::dataset::FrameSource;
 
 pub use decode::{image_size, load_depth, load_gray};
-pub use encode::{save_png_depth, save_png_gray, save_png_rgb};
+pub use encode::{Preview, preview, save_png_depth, save_png_gray, save_png_rgb};
 pub use error::{ImageError, ImageSize};
 
 /// An 8-bit colour image, red first.
