@@ -31,6 +31,9 @@ pub(crate) enum Command {
     /// Renders a street course with exact ground truth as a dataset in KITTI's layout.
     #[command(after_help = help::synth())]
     Synth(SynthArgs),
+    /// Shows a finished run in the Rerun viewer: trajectory, ground truth, errors, times; with events.dslog everything.
+    #[command(after_help = help::view())]
+    View(ViewArgs),
     /// Evaluates trajectories against ground truth, as tables and plots.
     Eval(eval::command::EvalCommand),
     /// Prints the default configuration, or checks a configuration file.
@@ -117,6 +120,23 @@ pub(crate) struct ShowArgs {
     /// Shows images and features of every N-th frame only.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) rerun_every: u32,
+}
+
+/// Arguments of `dsslam view`.
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// Results folder of a run.
+    #[arg(value_name = "RESULTS", default_value = "results/latest")]
+    pub(crate) results: PathBuf,
+    /// Shows the other files of the folder, not events.dslog, with the map of this file, as --save-map has written it.
+    #[arg(long, value_name = "FILE.dsmap")]
+    pub(crate) map: Option<PathBuf>,
+    /// Writes a file for the Rerun viewer instead of opening it.
+    #[arg(long, value_name = "FILE.rrd", conflicts_with = "connect")]
+    pub(crate) save: Option<PathBuf>,
+    /// Sends to a Rerun viewer that is running; without URL to the one on this machine.
+    #[arg(long, value_name = "URL", num_args = 0..=1, default_missing_value = "")]
+    pub(crate) connect: Option<String>,
 }
 
 /// How the stages of a run share time.

@@ -19,10 +19,13 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::places::{self, Extras};
 use crate::report;
 use crate::results::ResultsFolder;
-use crate::show::Audience;
+use crate::show::{Audience, true_poses};
 use crate::summary::{self, Checksums, Summary};
 use crate::tables::{frames_csv, loops_csv, timings_csv};
 use crate::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
+
+/// True poses of the left camera at the frames, in the frame of the ground truth.
+pub(crate) const TRUTH_FILE: &str = "ground_truth.tum.txt";
 
 /// Everything that a run needs.
 pub(crate) struct Job<'a> {
@@ -111,6 +114,7 @@ fn write_results(
     if let Some(body) = body_records(&outcome.frames, job.context.sensor, &job.body_from_left) {
         io::write_tum(&folder.file("trajectory_body.tum.txt"), &tracked_poses(&body))?;
     }
+    write_truth(job)?;
     let map_sha256 = write_extras(job, outcome)?;
     folder.write("frames.csv", frames_csv(&outcome.frames).as_bytes())?;
     folder.write("loops.csv", loops_csv(&outcome.loops).as_bytes())?;
@@ -128,6 +132,17 @@ fn write_results(
     folder.write("summary.json", json.as_bytes())?;
     folder.link_latest()?;
     Ok(summary)
+}
+
+/// Writes the true poses of the left camera, if there are any; that of an older run in the folder does not stay.
+fn write_truth(job: &Job<'_>) -> Result<()> {
+    let (file, truth) = (job.folder.file(TRUTH_FILE), true_poses(job));
+    if truth.poses.is_empty() {
+        // There may be none.
+        let _ = std::fs::remove_file(file);
+        return Ok(());
+    }
+    Ok(io::write_tum(&file, &truth)?)
 }
 
 /// Writes map and journal where that is wanted; returns the checksum of the map's file.

@@ -43,6 +43,7 @@ fn main() -> ExitCode {
 fn dispatch(command: Command) -> Result<Exit, Failure> {
     match command {
         Command::Run(args) => run::run(&args),
+        Command::View(args) => show::view(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Synth(args) => render::run(&args),
         Command::Eval(command) => command.run().or_input().map(|()| Exit::Done),

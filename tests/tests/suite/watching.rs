@@ -32,9 +32,9 @@ fn events_tell_the_run_and_change_nothing() {
     assert!(!plain.join("events.dslog").exists(), "nothing is written that was not asked for");
     let records = records(&watched);
     let Some(Record::Start(start)) = records.first() else { panic!("no start") };
-    assert_eq!((start.n_frames as usize, start.truth.len()), (N_RENDERED, N_RENDERED));
+    assert_eq!((start.n_frames, start.truth.len() as u32), (N_RENDERED, N_RENDERED));
     let Some(Record::End(end)) = records.last() else { panic!("no end") };
-    assert!(end.summary.contains("ATE") && end.trajectory.len() == N_RENDERED, "{}", end.summary);
+    assert!(end.summary.contains("ATE") && end.trajectory.len() == N_RENDERED as usize, "{}", end.summary);
     assert!(
         records
             .iter()

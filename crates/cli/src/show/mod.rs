@@ -2,7 +2,9 @@
 
 mod audience;
 mod process;
+mod recorded;
 mod start;
+mod view;
 
 use std::path::PathBuf;
 
@@ -13,6 +15,8 @@ use crate::exit::{Failure, OrExit};
 
 pub(crate) use audience::Audience;
 pub(crate) use process::{ViewerProcess, find};
+pub(crate) use start::true_poses;
+pub(crate) use view::view;
 
 /// What the viewer does with a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -74,6 +74,14 @@ impl ViewerProcess {
         Ended::NotYet
     }
 
+    /// Waits for its end, however long that takes.
+    ///
+    /// # Errors
+    /// When there is nothing to wait for.
+    pub(crate) fn wait_for_ever(&mut self) -> Result<ExitStatus> {
+        self.child.wait().context("the viewer cannot be waited for")
+    }
+
     /// Ends it at once, so that nobody waits for its pipe.
     pub(crate) fn end(&mut self) {
         // It may have ended by itself.

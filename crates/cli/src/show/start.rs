@@ -5,16 +5,15 @@ use std::borrow::Cow;
 use eval::TIMESTAMP_TOLERANCE_S;
 use events::{Camera, Start, TruePosition};
 use geometry::SE3;
-use io::Trajectory;
+use io::{StampedPose, Trajectory};
 
 use crate::job::Job;
 use crate::trajectories::of_left_camera;
 
 /// The start of a job's stream.
 pub(super) fn of_job(job: &Job<'_>) -> Start {
-    let n = job.feed.len();
-    let frames: Vec<(u32, f64)> =
-        (0..n).map(|i| job.feed.info(i)).map(|info| (info.index, info.timestamp_s)).collect();
+    let frames = frames(job);
+    let truth = truth_of(&frames, job.ground_truth, &job.body_from_left);
     let (rig, camera) = (&job.setup.rig, &job.setup.rig.stereo.camera);
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     Start {
@@ -26,13 +25,33 @@ pub(super) fn of_job(job: &Job<'_>) -> Start {
             center: [camera.cx, camera.cy],
             size: [size(rig.width), size(rig.height)],
         },
-        n_frames: size(n),
-        truth: truth_of(&frames, job.ground_truth, &job.body_from_left),
+        n_frames: size(frames.len()),
+        truth: truth.iter().map(|(frame, pose)| position(*frame, pose)).collect(),
     }
 }
 
-/// True positions of the left camera at frames, given as number and time: of each the pose nearest in time.
-fn truth_of(frames: &[(u32, f64)], body: Option<&Trajectory>, body_from_left: &SE3) -> Vec<TruePosition> {
+/// Where the camera truly was at a frame.
+pub(super) fn position(frame: u32, pose: &StampedPose) -> TruePosition {
+    TruePosition { frame, position: pose.world_from_cam.translation.into() }
+}
+
+/// True poses of the left camera at a job's frames, with the frames' times.
+pub(crate) fn true_poses(job: &Job<'_>) -> Trajectory {
+    let poses = truth_of(&frames(job), job.ground_truth, &job.body_from_left);
+    Trajectory { poses: poses.into_iter().map(|(_, pose)| pose).collect() }
+}
+
+/// Number and time of a job's frames.
+fn frames(job: &Job<'_>) -> Vec<(u32, f64)> {
+    (0..job.feed.len()).map(|i| job.feed.info(i)).map(|info| (info.index, info.timestamp_s)).collect()
+}
+
+/// True poses of the left camera at frames, given as number and time: of each the pose nearest in time.
+fn truth_of(
+    frames: &[(u32, f64)],
+    body: Option<&Trajectory>,
+    body_from_left: &SE3,
+) -> Vec<(u32, StampedPose)> {
     let Some(body) = body else { return Vec::new() };
     let left = if *body_from_left == SE3::identity() {
         Cow::Borrowed(body)
@@ -45,7 +64,7 @@ fn truth_of(frames: &[(u32, f64)], body: Option<&Trajectory>, body_from_left: &S
         let gap = |t: f64| (t - time).abs();
         let best = around.iter().min_by(|a, b| gap(a.timestamp_s).total_cmp(&gap(b.timestamp_s)))?;
         let is_near = gap(best.timestamp_s) <= TIMESTAMP_TOLERANCE_S;
-        is_near.then(|| TruePosition { frame, position: best.world_from_cam.translation.into() })
+        is_near.then(|| (frame, StampedPose { timestamp_s: time, world_from_cam: best.world_from_cam }))
     };
     frames.iter().filter_map(nearest).collect()
 }
@@ -54,7 +73,6 @@ fn truth_of(frames: &[(u32, f64)], body: Option<&Trajectory>, body_from_left: &S
 mod tests {
     use super::*;
     use geometry::{SO3, Vec3};
-    use io::StampedPose;
 
     #[test]
     fn each_frame_gets_the_pose_nearest_in_time_moved_to_the_left_camera() {
@@ -69,7 +87,7 @@ mod tests {
         let expected = [(5, 10.0), (6, 20.0), (7, 30.0)];
         assert_eq!(found.len(), expected.len(), "{found:?}");
         for (found, (frame, x)) in found.iter().zip(expected) {
-            assert_eq!((found.frame, found.position), (frame, [x, 1.0, 0.0]));
+            assert_eq!((found.0, found.1.world_from_cam.translation), (frame, Vec3::new(x, 1.0, 0.0)));
         }
         assert!(truth_of(&frames, None, &body_from_left).is_empty());
     }
