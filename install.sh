@@ -1,20 +1,23 @@
 #!/usr/bin/env bash
-# Installs what is missing and builds the program: ./install.sh [--prefix DIR] [--video]
-# May be run again at any time: what is there is kept. With --prefix the program is also copied to DIR/bin.
-# With --video also dsslam-video, which decodes videos and cameras for it and needs OpenCV (about 1.5 GB).
+# Installs what is missing and builds the program: ./install.sh [--rerun] [--video] [--prefix DIR]
+# May be run again at any time: what is there is kept. With --prefix the programs are also copied to DIR/bin. With --rerun also
+# dsslam-rerun, which feeds the Rerun viewer (ten minutes more on two cores). With --video also dsslam-video, which decodes
+# videos and cameras for it and needs OpenCV (about 1.5 GB).
 set -euo pipefail
 cd "$(dirname "$0")"
 
-usage() { sed -n '2,4s/^# //p' "$0"; }
+usage() { sed -n '2,5s/^# //p' "$0"; }
 fail() { echo "install.sh: $*" >&2; exit 1; }
 
 prefix=
 video=
+rerun=
 while [ $# -gt 0 ]; do
   case $1 in
     --prefix) prefix=${2:?install.sh: --prefix wants a folder}; shift 2 ;;
     --prefix=*) prefix=${1#--prefix=}; shift ;;
     --video) video=yes; shift ;;
+    --rerun) rerun=1; shift ;;
     -h|--help) usage; exit 0 ;;
     *) usage >&2; fail "unknown argument: $1" ;;
   esac
@@ -58,10 +61,20 @@ fi
 
 echo "[4/4] cargo build --release --locked"
 cargo build --release --locked
-program=${CARGO_TARGET_DIR:-target}/release/dsslam
+target=${CARGO_TARGET_DIR:-target}
+program=$target/release/dsslam
+viewer=$target/release/dsslam-rerun
+if [ -n "$rerun" ]; then
+  echo "      cargo build --profile viewer -p viewer --locked"
+  cargo build --profile viewer -p viewer --locked
+  install -m 755 "$target/viewer/dsslam-rerun" "$viewer"
+  command -v rerun >/dev/null 2>&1 ||
+    echo "      the Rerun viewer itself is not there: pip install rerun-sdk==$(sed -n 's/^rerun = .*"=\([0-9.]*\)".*/\1/p' Cargo.toml)"
+fi
 if [ -n "$prefix" ]; then
   mkdir -p "$prefix/bin"
   install -m 755 "$program" "$prefix/bin/dsslam"
+  if [ -n "$rerun" ]; then install -m 755 "$viewer" "$prefix/bin/dsslam-rerun"; fi
   program=$prefix/bin/dsslam
 fi
 if [ -n "$video" ]; then

@@ -1,8 +1,16 @@
 #!/usr/bin/env bash
 # Installs what the tests need and runs all of them: formatting, lints, tests, documentation.
 # Real sequences are tested where DSSLAM_DATA names a folder with them; without it those tests say that they were skipped.
+# ./test.sh --viewer also checks crates/viewer, which needs Rerun: ten minutes more on two cores the first time.
 set -euo pipefail
 cd "$(dirname "$0")"
+
+viewer=
+case "${1:-}" in
+  "") ;;
+  --viewer) viewer=1 ;;
+  *) echo "test.sh: unknown argument: $1; only --viewer is known" >&2; exit 2 ;;
+esac
 
 # The OpenCV reference (crates/cv) needs Debian's packages; the program itself does not.
 missing=()
@@ -30,7 +38,12 @@ step() {
 }
 
 step cargo fmt --all --check
-step cargo clippy --workspace --all-targets --features cv/video --locked -- -D warnings
-step cargo test --workspace --features cv/video --locked
-step env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+step cargo clippy --workspace --exclude viewer --all-targets --features cv/video --locked -- -D warnings
+step cargo test --workspace --exclude viewer --features cv/video --locked
+step env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --exclude viewer --no-deps --locked
+if [ -n "$viewer" ]; then
+  step cargo clippy --profile viewer -p viewer --all-targets --locked -- -D warnings
+  step cargo test --profile viewer -p viewer --locked
+  step env RUSTDOCFLAGS="-D warnings" cargo doc --profile viewer -p viewer --no-deps --locked
+fi
 echo "== all passed in $((SECONDS - started)) s"

@@ -39,6 +39,9 @@ pub(crate) enum Command {
     /// Renders a street course with exact ground truth as a dataset in KITTI's or EuRoC's layout.
     #[command(after_help = help::synth())]
     Synth(SynthArgs),
+    /// Shows a finished run in the Rerun viewer: trajectory, ground truth, errors, times; with events.dslog everything.
+    #[command(after_help = help::view())]
+    View(ViewArgs),
     /// Evaluates trajectories against ground truth, as tables and plots.
     Eval(eval::command::EvalCommand),
     /// Draws what the network thinks of an image: activation as a heat map, features kept and dropped.
@@ -126,6 +129,47 @@ pub(crate) struct RunArgs {
     /// With --load-map: only finds the camera in the map and inserts nothing.
     #[arg(long, requires = "load_map", help_heading = "Places and maps")]
     pub(crate) localize: bool,
+    /// Who watches the run.
+    #[command(flatten)]
+    pub(crate) show: ShowArgs,
+}
+
+/// Who watches a run.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Watching")]
+pub(crate) struct ShowArgs {
+    /// Writes events.dslog into the results folder: what `dsslam view` shows of the run later.
+    #[arg(long)]
+    pub(crate) events: bool,
+    /// Opens the Rerun viewer and shows the run while it goes on.
+    #[arg(long)]
+    pub(crate) rerun: bool,
+    /// Writes a file for the Rerun viewer.
+    #[arg(long, value_name = "FILE.rrd", conflicts_with = "rerun")]
+    pub(crate) rerun_save: Option<PathBuf>,
+    /// Streams to a Rerun viewer that is running; without URL to the one on this machine.
+    #[arg(long, value_name = "URL", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["rerun", "rerun_save"])]
+    pub(crate) rerun_connect: Option<String>,
+    /// Shows images and features of every N-th frame only.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) rerun_every: u32,
+}
+
+/// Arguments of `dsslam view`.
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// Results folder of a run.
+    #[arg(value_name = "RESULTS", default_value = "results/latest")]
+    pub(crate) results: PathBuf,
+    /// Shows the other files of the folder, not events.dslog, with the map of this file, as --save-map has written it.
+    #[arg(long, value_name = "FILE.dsmap")]
+    pub(crate) map: Option<PathBuf>,
+    /// Writes a file for the Rerun viewer instead of opening it.
+    #[arg(long, value_name = "FILE.rrd", conflicts_with = "connect")]
+    pub(crate) save: Option<PathBuf>,
+    /// Sends to a Rerun viewer that is running; without URL to the one on this machine.
+    #[arg(long, value_name = "URL", num_args = 0..=1, default_missing_value = "")]
+    pub(crate) connect: Option<String>,
 }
 
 /// How the stages of a run share time.
@@ -172,6 +216,9 @@ pub(crate) struct DemoArgs {
     /// Writes the results into this folder instead of results/PRESET/TIME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Who watches the run.
+    #[command(flatten)]
+    pub(crate) show: ShowArgs,
 }
 
 /// Arguments of `dsslam synth`.

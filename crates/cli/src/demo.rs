@@ -18,6 +18,7 @@ use crate::places::{self, Extras};
 use crate::render;
 use crate::results::ResultsFolder;
 use crate::setup;
+use crate::show;
 use crate::stop;
 use crate::summary::Context;
 
@@ -49,6 +50,7 @@ impl FrameFeed for RenderedFeed<'_> {
 pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let watch = StopWatch::start();
     let mut config = Config::load(None, &args.overrides).or_input()?;
+    let viewer = show::viewer(&args.show)?;
     let stop = stop::on_signal();
     let name = args.world.preset.name();
     let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), name).or_output()?;
@@ -84,6 +86,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
         replay: None,
         folder,
         extras: Extras::default(),
+        show: args.show.clone(),
+        viewer,
         watch,
     };
     job::execute(job, &stop).map(|(_, exit)| exit)

@@ -26,6 +26,7 @@ Examples:
   dsslam run morning --save-map campus.dsmap
   dsslam run evening --load-map campus.dsmap --localize
   dsslam run kitti/sequences/06 --schedule live --realtime --journal run.json
+  dsslam run kitti/sequences/06 --rerun
 
 Layouts:
   KITTI odometry   calib.txt, times.txt, image_0 and image_1 (or image_2 and image_3),
@@ -37,8 +38,8 @@ Layouts:
                    each) or in left/ and right/; the cameras come from --calib, from
                    calibration.yaml in the folder, or from the configuration
 
-Results: trajectory.kitti.txt, trajectory.tum.txt, trajectory.png, frames.csv, loops.csv,
-config.yaml, timings.csv, summary.json (README.md explains them); results/latest points to the newest run.",
+Results: trajectory.kitti.txt, trajectory.tum.txt, ground_truth.tum.txt, trajectory.png, frames.csv,
+loops.csv, config.yaml, timings.csv, summary.json (README.md explains them); results/latest points to the newest run.",
     )
 }
 
@@ -49,6 +50,17 @@ pub(crate) fn demo() -> String {
 Examples:
   dsslam demo
   dsslam demo --frames 60 --out /tmp/demo",
+    )
+}
+
+/// Below `dsslam view --help`.
+pub(crate) fn view() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam view                                             the newest run
+  dsslam view results/latest --save run.rrd
+  dsslam view results/latest --map campus.dsmap",
     )
 }
 

@@ -1,5 +1,6 @@
 //! A run from its first frame to its last file: what `run` and `demo` have in common.
 
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
@@ -10,17 +11,21 @@ use map::MapFileInfo;
 use runtime::{FrameFeed, FrameRecord, Journal, RunOutcome, Schedule, Setup};
 use sha2::{Digest, Sha256};
 
+use crate::args::ShowArgs;
 use crate::clock::StopWatch;
 use crate::console;
 use crate::evaluation::{Compared, Evaluation};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::places::{self, Extras};
-use crate::progress::Progress;
 use crate::report;
 use crate::results::ResultsFolder;
+use crate::show::{Audience, true_poses};
 use crate::summary::{self, Checksums, Summary};
 use crate::tables::{frames_csv, loops_csv, timings_csv};
 use crate::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
+
+/// True poses of the left camera at the frames, in the frame of the ground truth.
+pub(crate) const TRUTH_FILE: &str = "ground_truth.tum.txt";
 
 /// Everything that a run needs.
 pub(crate) struct Job<'a> {
@@ -42,6 +47,10 @@ pub(crate) struct Job<'a> {
     pub(crate) folder: ResultsFolder,
     /// Where else to.
     pub(crate) extras: Extras,
+    /// Who watches.
+    pub(crate) show: ShowArgs,
+    /// The viewer's program, if one watches.
+    pub(crate) viewer: Option<PathBuf>,
     /// Started with the command.
     pub(crate) watch: StopWatch,
 }
@@ -61,12 +70,12 @@ pub(crate) fn schedule_name(setup: &Setup, is_replay: bool) -> &'static str {
 /// # Errors
 /// A run that cannot begin is a fault of the input, a file that cannot be written one of the output.
 pub(crate) fn execute(mut job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit), Failure> {
-    let mut progress = Progress::new();
+    let mut audience = Audience::gather(&job)?;
     let outcome = match &job.replay {
-        None => runtime::run(job.feed, &job.setup, &mut progress, stop).or_input()?,
-        Some(journal) => runtime::replay(job.feed, &job.setup, journal, &mut progress, stop).or_input()?,
+        None => runtime::run(job.feed, &job.setup, &mut audience, stop).or_input()?,
+        Some(journal) => runtime::replay(job.feed, &job.setup, journal, &mut audience, stop).or_input()?,
     };
-    progress.finish();
+    audience.progress.finish();
     for remark in job.feed.remarks() {
         console::note(console::warning(&remark));
         job.context.notices.push(remark);
@@ -76,7 +85,9 @@ pub(crate) fn execute(mut job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, E
         job.ground_truth.map(|truth| Compared::new(&outcome.frames, truth, sensor, &job.body_from_left));
     let evaluation = compared.as_ref().map(|compared| compared.evaluate(sensor));
     let truth = compared.as_ref().zip(evaluation.as_ref());
-    let summary = write_results(&job, &outcome, truth).or_output()?;
+    let written = write_results(&job, &outcome, truth).or_output();
+    audience.leave(&outcome, written.as_ref().ok(), job.folder.path());
+    let summary = written?;
     console::say(report::text(&summary, job.folder.path()).trim_end());
     if !summary.is_usable() {
         let reason = summary.without_pose.first().map_or("there was no frame", |frame| &frame.reason);
@@ -107,6 +118,7 @@ fn write_results(
     if let Some(body) = body_records(&outcome.frames, job.context.sensor, &job.body_from_left) {
         io::write_tum(&folder.file("trajectory_body.tum.txt"), &tracked_poses(&body))?;
     }
+    write_truth(job)?;
     let map_sha256 = write_extras(job, outcome)?;
     folder.write("frames.csv", frames_csv(&outcome.frames).as_bytes())?;
     folder.write("loops.csv", loops_csv(&outcome.loops).as_bytes())?;
@@ -124,6 +136,17 @@ fn write_results(
     folder.write("summary.json", json.as_bytes())?;
     folder.link_latest()?;
     Ok(summary)
+}
+
+/// Writes the true poses of the left camera, if there are any; that of an older run in the folder does not stay.
+fn write_truth(job: &Job<'_>) -> Result<()> {
+    let (file, truth) = (job.folder.file(TRUTH_FILE), true_poses(job));
+    if truth.poses.is_empty() {
+        // There may be none.
+        let _ = std::fs::remove_file(file);
+        return Ok(());
+    }
+    Ok(io::write_tum(&file, &truth)?)
 }
 
 /// Writes map and journal where that is wanted; returns the checksum of the map's file.

@@ -24,6 +24,7 @@ mod report;
 mod results;
 mod run;
 mod setup;
+mod show;
 mod stage;
 mod stop;
 mod summary;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
 fn dispatch(command: Command) -> Result<Exit, Failure> {
     match command {
         Command::Run(args) => run::run(&args),
+        Command::View(args) => show::view(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Synth(args) => render::run(&args),
         Command::Eval(command) => command.run().or_input().map(|()| Exit::Done),

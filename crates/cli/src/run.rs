@@ -15,6 +15,7 @@ use crate::network;
 use crate::places;
 use crate::results::ResultsFolder;
 use crate::setup;
+use crate::show;
 use crate::stop;
 use crate::summary::Context;
 use crate::video::{self, Opened};
@@ -52,6 +53,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     }
     let replay = places::journal(args).or_input()?;
     let extras = places::extras(args).or_output()?;
+    let viewer = show::viewer(&args.show)?;
     let stop = stop::on_signal();
     let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), &sequence.name).or_output()?;
     for notice in &notices {
@@ -74,6 +76,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
         replay,
         folder,
         extras,
+        show: args.show.clone(),
+        viewer,
         watch,
     };
     job::execute(job, &stop).map(|(_, exit)| exit)

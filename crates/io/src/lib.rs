@@ -23,8 +23,8 @@ pub use dataset::{
 };
 pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use images::{
-    ImageError, ImageSize, LoadedFrame, Rgb, image_size, load_depth, load_frame, load_gray, load_rgb,
-    reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
+    ImageError, ImageSize, LoadedFrame, Preview, Rgb, image_size, load_depth, load_frame, load_gray,
+    load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
 };
 pub use trajectory::{
     StampedPose, Trajectory, TrajectoryFormat, read_euroc, read_kitti_poses, read_trajectory, read_tum,

@@ -125,6 +125,32 @@ impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
         })
     }
 
+    /// Ids, in order, whose item may differ from the one in an older snapshot, with the item if it is there now. What both
+    /// share is passed over a chunk at a time.
+    pub(crate) fn changed_since<'a>(&'a self, older: &'a Self) -> impl Iterator<Item = (I, Option<&'a T>)> {
+        let n_chunks = self.chunks.len().max(older.chunks.len());
+        let differs = move |c: &usize| match (self.chunks.get(*c), older.chunks.get(*c)) {
+            (Some(new), Some(old)) => !Arc::ptr_eq(new, old),
+            _ => true,
+        };
+        (0..n_chunks).filter(differs).flat_map(|c| c * CHUNK..(c + 1) * CHUNK).filter_map(move |index| {
+            let (new, old) = (self.live_arc(index), older.live_arc(index));
+            let same = match (new, old) {
+                (Some(new), Some(old)) => Arc::ptr_eq(new, old),
+                (None, None) => true,
+                _ => false,
+            };
+            (!same).then(|| (I::from_index(index), new.map(|item| &**item)))
+        })
+    }
+
+    fn live_arc(&self, index: usize) -> Option<&Arc<T>> {
+        match self.slot(index)? {
+            Slot::Live(item) => Some(item),
+            Slot::Forwarded(_) | Slot::Removed => None,
+        }
+    }
+
     fn slot(&self, index: usize) -> Option<&Slot<T, R>> {
         self.chunks.get(index / CHUNK)?.get(index % CHUNK)
     }

@@ -28,6 +28,7 @@
 //! Start reading at `map.rs` (queries), then `observations.rs` (the primitives that the mutations share).
 
 mod arena;
+mod changes;
 mod check;
 mod correction;
 mod covisibility;
@@ -49,6 +50,7 @@ mod remove;
 mod tests;
 mod validate;
 
+pub use changes::Changes;
 pub use check::Violation;
 pub use correction::{Correction, KeyframeCorrection};
 pub use error::{MapError, PoseDefect};

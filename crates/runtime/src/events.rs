@@ -1,8 +1,11 @@
 //! What a run tells while it runs. Observers print, draw and count; nothing is read back.
 
-use map::KeyframeId;
-use slam::{KeyframeReason, MappingReport, OffsetEstimate, TrackStats};
+use std::sync::Arc;
 
+use map::KeyframeId;
+use slam::{KeyframeReason, MappingReport, OffsetEstimate, TrackStats, World};
+
+use crate::details::FrameDetails;
 use crate::map_log::LoopRecord;
 use crate::record::FrameStatus;
 
@@ -30,6 +33,8 @@ pub enum Event {
     Frame {
         /// Number of the frame in its sequence.
         index: u32,
+        /// Time, seconds.
+        timestamp_s: f64,
         /// What became of it.
         status: FrameStatus,
         /// Counts of tracking.
@@ -95,12 +100,27 @@ pub enum Event {
         /// Why.
         reason: String,
     },
+    /// Everything about a frame that went through tracking with usable images. Only for observers that want details.
+    Details(Arc<FrameDetails>),
+    /// A state of the world that tracking may see. Only for observers that want details.
+    Published(Arc<World>),
+    /// Times of stages that ran for a frame beside its tracking. Only for observers that want details.
+    Stages {
+        /// Number of the frame in its sequence.
+        frame: u32,
+        /// `(stage, ms)` in the order in which the stages ended.
+        stages: Vec<(&'static str, f64)>,
+    },
 }
 
 /// Listens to a run.
 pub trait Observer {
     /// Something happened.
     fn event(&mut self, event: &Event);
+    /// Whether details are wanted, which cost memory; asked once before a run. Results never depend on it.
+    fn wants_details(&self) -> bool {
+        false
+    }
 }
 
 /// Listens to nothing.

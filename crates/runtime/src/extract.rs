@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use features::{Frame, FrameBuilder};
+use geometry::GrayImage;
 use io::LoadedFrame;
 
 use crate::feed::FrameInfo;
 use crate::fetch::Fetched;
+use crate::job::Job;
 use crate::setup::{Sensor, Setup};
 use crate::timings::Stopwatch;
 
@@ -16,6 +18,8 @@ pub(crate) struct Extracted {
     pub(crate) n: usize,
     pub(crate) info: FrameInfo,
     pub(crate) frame: Result<Arc<Frame>, String>,
+    /// The left image, if an observer wants details.
+    pub(crate) image: Option<Arc<GrayImage>>,
     pub(crate) watch: Stopwatch,
 }
 
@@ -24,11 +28,14 @@ pub(crate) struct ExtractStage<'a> {
     setup: &'a Setup,
     /// Why there is no builder: the network cannot be opened.
     builder: Result<FrameBuilder, String>,
+    /// Whether an observer wants details.
+    details: bool,
 }
 
 impl<'a> ExtractStage<'a> {
-    pub(crate) fn new(setup: &'a Setup, disparity_offset_px: f64) -> Self {
-        ExtractStage { setup, builder: setup.frame_builder(disparity_offset_px) }
+    pub(crate) fn new(job: &Job<'a>) -> Self {
+        let setup = job.setup;
+        ExtractStage { setup, builder: setup.frame_builder(job.disparity_offset_px), details: job.details }
     }
 
     /// Makes a frame of images.
@@ -36,11 +43,14 @@ impl<'a> ExtractStage<'a> {
         let Fetched { n, info, images, decode_ms } = fetched;
         let mut watch = Stopwatch::new(info.index);
         watch.add("decode", decode_ms);
+        let mut image = None;
         let frame = images.and_then(|images| usable(images, self.setup)).and_then(|images| {
             let builder = self.builder.as_mut().map_err(|reason| reason.clone())?;
-            watch.time("extract", |_| build(builder, self.setup.sensor, info, &images)).map(Arc::new)
+            let frame = watch.time("extract", |_| build(builder, self.setup.sensor, info, &images))?;
+            image = self.details.then(|| Arc::new(images.left));
+            Ok(Arc::new(frame))
         });
-        Extracted { n, info, frame, watch }
+        Extracted { n, info, frame, image, watch }
     }
 }
 

@@ -37,8 +37,8 @@ fn consume(job: &Job<'_>, fetched: Receiver<Fetched>, observer: &mut dyn Observe
     let (publish, states) = bounded(EXACT_STATES);
     let mut line = Line {
         job,
-        extract: (ExtractStage::new(job.setup, job.disparity_offset_px), job.faults("extract")),
-        track: (TrackStage::new(job.setup), job.faults("track")),
+        extract: (ExtractStage::new(job), job.faults("extract")),
+        track: (TrackStage::new(job), job.faults("track")),
         viewer: Viewer::new(Choice::Exact(job.setup.rule()), job.start(), states),
         map: (job.mapping_in_turn(), job.faults("map")),
     };

@@ -22,6 +22,8 @@ pub(crate) struct Job<'a> {
     /// The world to begin with.
     pub(crate) world: World,
     pub(crate) stop: &'a AtomicBool,
+    /// Whether an observer wants details.
+    pub(crate) details: bool,
 }
 
 impl<'a> Job<'a> {
@@ -51,6 +53,6 @@ impl<'a> Job<'a> {
         let global: GlobalService<'a> =
             Service::InTurn("global", Box::new(adjust(self.setup, self.faults("global"))));
         let loops = Some(loops).filter(|_| self.wants_loops());
-        MapStage::new(self.setup, self.world.clone(), loops, global)
+        MapStage::new(self, loops, global)
     }
 }

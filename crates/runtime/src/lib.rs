@@ -15,6 +15,7 @@
 //! `threads.rs` (how stages are joined).
 
 mod corrections;
+mod details;
 mod events;
 mod extract;
 mod failure;
@@ -39,12 +40,14 @@ mod run;
 mod selection;
 mod service;
 mod setup;
+mod stream;
 mod thread_work;
 mod threads;
 mod timings;
 mod track;
 mod view;
 
+pub use details::FrameDetails;
 pub use events::{Event, Observer, Silent};
 pub use failure::StageFailure;
 pub use faults::Faults;
@@ -57,4 +60,5 @@ pub use replay::replay;
 pub use run::run;
 pub use selection::{ActivationFactory, Selection};
 pub use setup::{DEFAULT_LAG, DEFAULT_LOOP_LAG, Schedule, Sensor, Setup};
+pub use stream::{EventStream, StreamOptions, StreamReport};
 pub use timings::{FrameTimings, Summary, Timings};

@@ -12,10 +12,10 @@ use crate::corrections::{
 };
 use crate::events::Event;
 use crate::failure::Halt;
+use crate::job::Job;
 use crate::journal::Operation;
 use crate::map_log::{InsertedFrame, LoopRecord, LoopResult, MapLog};
 use crate::service::Answer;
-use crate::setup::Setup;
 use crate::timings::Stopwatch;
 use crate::track::Message;
 use crate::view::Published;
@@ -32,6 +32,8 @@ pub(crate) struct MapStage<'a> {
     /// Keyframes asked for, and those whose mapping is done.
     requests: usize,
     refined: usize,
+    /// Whether an observer wants details.
+    details: bool,
 }
 
 /// A loop that was asked for.
@@ -65,27 +67,26 @@ pub(crate) struct Out<'o> {
 }
 
 impl<'a> MapStage<'a> {
-    /// A stage that goes on with `world`.
-    pub(crate) fn new(
-        setup: &Setup,
-        world: World,
-        loops: Option<LoopService<'a>>,
-        global: GlobalService<'a>,
-    ) -> Self {
+    /// A stage that goes on with the world of the job.
+    pub(crate) fn new(job: &Job<'_>, loops: Option<LoopService<'a>>, global: GlobalService<'a>) -> Self {
         MapStage {
-            mapper: Mapper::new(setup.slam.clone(), world),
+            mapper: Mapper::new(job.setup.slam.clone(), job.world.clone()),
             loops,
             global,
             coming_loops: VecDeque::new(),
             coming_global: None,
             requests: 0,
             refined: 0,
+            details: job.details,
         }
     }
 
     /// Shows the world as it is now to tracking; returns the snapshot.
     pub(crate) fn publish(&self, out: &mut Out<'_>) -> Arc<World> {
         let world = self.snapshot();
+        if self.details {
+            (out.emit)(Event::Published(world.clone()));
+        }
         (out.publish)(Published {
             world: world.clone(),
             operation: out.log.operations.len(),
@@ -117,7 +118,8 @@ impl<'a> MapStage<'a> {
         self.requests += 1;
         let mut watch = Stopwatch::new(request.frame.index);
         let inserted = self.mapper.insert(request, &mut watch);
-        out.log.times.push((n, watch.finish().stages));
+        let index = request.frame.index;
+        self.note_times(n, index, watch.finish().stages, out);
         let keyframe = inserted?;
         out.log.inserted.push(InsertedFrame { n, index: request.frame.index, keyframe });
         let map = &self.mapper.world().map;
@@ -142,8 +144,25 @@ impl<'a> MapStage<'a> {
         let Some(id) = keyframe else { return };
         let mut watch = Stopwatch::new(request.frame.index);
         let report = watch.time("map", |watch| self.mapper.refine(id, watch));
-        out.log.times.push((n, watch.finish().stages));
-        (out.emit)(Event::Keyframe { id, frame: request.frame.index, reason: request.reason, report });
+        let frame = request.frame.index;
+        self.note_times(n, frame, watch.finish().stages, out);
+        (out.emit)(Event::Keyframe { id, frame, reason: request.reason, report });
+    }
+
+    /// Notes times of work that belongs to the frame at `n`, whose number is `frame`.
+    fn note_times(&self, n: usize, frame: u32, stages: StageTimes, out: &mut Out<'_>) {
+        if self.details {
+            (out.emit)(Event::Stages { frame, stages: stages.clone() });
+        }
+        out.log.times.push((n, stages));
+    }
+
+    /// Notes times of a correction that the keyframe at `n` led to.
+    fn note_correction(&self, n: usize, stages: StageTimes, out: &mut Out<'_>) {
+        let inserted = &out.log.inserted;
+        let at = inserted.binary_search_by_key(&n, |inserted| inserted.n);
+        let frame = at.map_or(0, |at| inserted[at].index);
+        self.note_times(n, frame, stages, out);
     }
 
     /// Asks whether a keyframe sees a place again, in the world right after its mapping.
@@ -180,7 +199,7 @@ impl<'a> MapStage<'a> {
         times: StageTimes,
         out: &mut Out<'_>,
     ) -> Option<FoundLoop> {
-        out.log.times.push((n, times));
+        self.note_correction(n, times, out);
         match outcome {
             LoopOutcome::None(_) => None,
             LoopOutcome::Rejected { candidate, reason } => {
@@ -200,7 +219,7 @@ impl<'a> MapStage<'a> {
         out.log.operations.push(Operation::CloseLoop(n));
         let mut watch = Stopwatch::new(0);
         let closed = self.mapper.close_loop(&found, &mut watch);
-        out.log.times.push((n, watch.finish().stages));
+        self.note_correction(n, watch.finish().stages, out);
         let result = match closed {
             Err(error) => LoopResult::Refused(error.to_string()),
             Ok(_) => LoopResult::Closed {
@@ -284,7 +303,7 @@ impl<'a> MapStage<'a> {
     /// Takes over a global solution.
     pub(crate) fn adopt(&mut self, n: usize, (solution, times): GlobalAnswer, out: &mut Out<'_>) {
         out.log.operations.push(Operation::Adopt(n));
-        out.log.times.push((n, times));
+        self.note_correction(n, times, out);
         let Some(solution) = solution else { return };
         match self.mapper.adopt(&solution) {
             Ok(()) => {

@@ -45,7 +45,8 @@ pub fn replay(
         return Err(JournalError::TooLong { frames, available }.into());
     }
     let disparity_offset_px = journal.disparity_offset_px();
-    let job = Job { feed, frames, setup, disparity_offset_px, world: setup.world(), stop };
+    let (world, details) = (setup.world(), observer.wants_details());
+    let job = Job { feed, frames, setup, disparity_offset_px, world, stop, details };
     observer.event(&Event::Started { frames });
     let (mut tracking, mut mapping) = (TrackLog::default(), MapLog::default());
     let mut emit = |event: Event| observer.event(&event);
@@ -95,8 +96,8 @@ struct Replay<'a> {
 
 impl Replay<'_> {
     fn work(&mut self, job: &Job<'_>, tracking: &mut TrackLog, out: &mut Out<'_>) -> Result<(), Stop> {
-        let mut extract = ExtractStage::new(job.setup, job.disparity_offset_px);
-        let mut track = TrackStage::new(job.setup);
+        let mut extract = ExtractStage::new(job);
+        let mut track = TrackStage::new(job);
         for n in 0..self.journal.n_frames() {
             let view = match self.journal.frames[n] {
                 Seen::Skipped => {

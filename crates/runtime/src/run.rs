@@ -31,7 +31,8 @@ pub fn run(
     let disparity_offset_px =
         setup.disparity_offset_px + calibration.map_or(0.0, |estimate| estimate.offset_px);
     observer.event(&Event::Started { frames: feed.len() });
-    let job = Job { feed, frames: feed.len(), setup, disparity_offset_px, world: setup.world(), stop };
+    let (frames, world, details) = (feed.len(), setup.world(), observer.wants_details());
+    let job = Job { feed, frames, setup, disparity_offset_px, world, stop, details };
     let parts = execute(&job, setup.schedule, observer)?;
     let mut outcome = parts.outcome(setup, disparity_offset_px);
     outcome.calibration = calibration;
@@ -60,7 +61,8 @@ fn calibrate(
     }
     let pass = Setup { vocabulary: None, start: None, ..setup.clone() };
     let disparity_offset_px = setup.disparity_offset_px;
-    let job = Job { feed, frames, setup: &pass, disparity_offset_px, world: pass.world(), stop };
+    let world = pass.world();
+    let job = Job { feed, frames, setup: &pass, disparity_offset_px, world, stop, details: false };
     let schedule = match setup.schedule {
         Schedule::Sequential => Schedule::Sequential,
         Schedule::Lockstep | Schedule::Live { .. } => Schedule::Lockstep,

@@ -49,7 +49,7 @@ impl MapLeft {
 
 /// Extracts features until no frame comes or nobody wants any more.
 pub(crate) fn extract(job: &Job<'_>, fetched: &Receiver<Fetched>, to_track: &Sender<Extracted>) {
-    let mut stage = ExtractStage::new(job.setup, job.disparity_offset_px);
+    let mut stage = ExtractStage::new(job);
     let mut faults = job.faults("extract");
     for fetched in fetched {
         faults.step();
@@ -83,7 +83,7 @@ fn track_all(
     log: &mut TrackLog,
     to_observer: &Sender<Event>,
 ) {
-    let mut stage = TrackStage::new(job.setup);
+    let mut stage = TrackStage::new(job);
     let mut faults = job.faults("track");
     // Without an observer there is nobody to tell.
     let emit = &mut |event: Event| drop(to_observer.send(event));

@@ -183,6 +183,6 @@ fn start_services<'scope, 'env>(
         finders = Some(spawn_with_workers(scope, "loop", move || serve(&asked, work))?);
         loops = Some(Service::Thread(to_loops));
     }
-    let stage = MapStage::new(job.setup, job.world.clone(), loops, Service::Thread(to_global));
+    let stage = MapStage::new(job, loops, Service::Thread(to_global));
     Ok((stage, finders, global))
 }

@@ -6,12 +6,13 @@ use features::Frame;
 use map::{PointCount, RelativePose};
 use slam::{KeyframeRequest, TrackState, TrackStats, Tracked, Tracker};
 
+use crate::details::FrameDetails;
 use crate::events::Event;
 use crate::extract::Extracted;
 use crate::feed::FrameInfo;
+use crate::job::Job;
 use crate::journal::Seen;
 use crate::record::FrameStatus;
-use crate::setup::Setup;
 use crate::timings::{FrameTimings, Stopwatch};
 use crate::view::View;
 
@@ -49,11 +50,13 @@ pub(crate) const SKIPPED: &str = "skipped: tracking was behind";
 /// The stage.
 pub(crate) struct TrackStage {
     tracker: Tracker,
+    /// Whether an observer wants details.
+    details: bool,
 }
 
 impl TrackStage {
-    pub(crate) fn new(setup: &Setup) -> Self {
-        TrackStage { tracker: Tracker::new(setup.slam.clone()) }
+    pub(crate) fn new(job: &Job<'_>) -> Self {
+        TrackStage { tracker: Tracker::new(job.setup.slam.clone()), details: job.details }
     }
 
     /// Tracks a frame in what `view` gives; frames without usable images are recorded without asking for it.
@@ -67,7 +70,7 @@ impl TrackStage {
         log: &mut TrackLog,
         emit: &mut dyn FnMut(Event),
     ) -> Result<Option<Message>, E> {
-        let Extracted { n, info, frame, mut watch } = extracted;
+        let Extracted { n, info, frame, image, mut watch } = extracted;
         let frame = match frame {
             Ok(frame) => frame,
             Err(reason) => {
@@ -77,18 +80,25 @@ impl TrackStage {
         };
         let view = view(&mut watch)?;
         let extract_ms = watch.last("extract");
-        let tracked = watch.time("track", |watch| self.tracker.track(&frame, &view.world, view.idle, watch));
+        let mut tracked =
+            watch.time("track", |watch| self.tracker.track(&frame, &view.world, view.idle, watch));
         watch.add_to_last(extract_ms);
         emit(frame_event(&frame, &tracked, &view, watch.last("track")));
         note_relocalisation(&tracked, &info, &view, log, emit);
         let map = &view.world.map;
         log.map_size = (map.n_keyframes(), map.n_points());
+        let (status, timings) = (status_of(&tracked), watch.finish());
+        if self.details {
+            let (seen, stages) = ((frame, image), timings.stages.clone());
+            let details = FrameDetails::new(info, status.clone(), seen, &mut tracked, &view, stages);
+            emit(Event::Details(Arc::new(details)));
+        }
         log.frames.push(TrackedFrame {
             info,
-            status: status_of(&tracked),
+            status,
             relative: tracked.pose,
             seen: Seen::After(view.operation, view.idle),
-            timings: watch.finish(),
+            timings,
         });
         Ok(Some(Message { n, counts: tracked.counts, keyframe: tracked.keyframe }))
     }
@@ -106,6 +116,7 @@ impl TrackLog {
     ) {
         emit(Event::Frame {
             index: info.index,
+            timestamp_s: info.timestamp_s,
             status: status.clone(),
             stats: TrackStats::default(),
             features: 0,
@@ -136,6 +147,7 @@ fn note_relocalisation(
 fn frame_event(frame: &Arc<Frame>, tracked: &Tracked, view: &View, track_ms: f64) -> Event {
     Event::Frame {
         index: frame.index,
+        timestamp_s: frame.timestamp_s,
         status: status_of(tracked),
         stats: tracked.stats,
         features: frame.len(),

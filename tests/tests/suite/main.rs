@@ -7,6 +7,7 @@ mod bad_euroc;
 mod bad_images;
 mod bad_sequence;
 mod end_to_end;
+mod event_stream;
 mod map_file;
 mod program;
 mod real_data;
@@ -17,6 +18,7 @@ mod sensors;
 mod sequence;
 mod videos;
 mod vocabulary;
+mod watching;
 
 use std::path::{Path, PathBuf};
 

@@ -33,7 +33,7 @@ impl std::fmt::Display for Call {
 }
 
 /// The program of this build: beside the tests' own folder. `cargo test --workspace` builds it.
-fn program() -> PathBuf {
+pub(crate) fn program() -> PathBuf {
     let tests = std::env::current_exe().unwrap();
     let program = tests.ancestors().nth(2).unwrap().join("dsslam");
     assert!(program.exists(), "{} is not built: cargo build -p dsslam", program.display());

@@ -14,13 +14,13 @@ use crate::rendered_feed::RenderedFeed;
 
 /// Along a street, then a jump back to its beginning and along it again: lost, a new sub-map, a loop that joins it to
 /// the old one, a global bundle adjustment.
-fn revisit() -> &'static RenderedFeed {
+pub(crate) fn revisit() -> &'static RenderedFeed {
     static FEED: OnceLock<RenderedFeed> = OnceLock::new();
     FEED.get_or_init(|| RenderedFeed::new((30..62).chain(8..62)))
 }
 
 /// Loops as early as possible, since the drive is short.
-fn setup(schedule: Schedule) -> Setup {
+pub(crate) fn setup(schedule: Schedule) -> Setup {
     let mut setup = Setup { schedule, lag: 2, loop_lag: 4, ..revisit().setup() };
     setup.slam.tracking.max_lost_frames = 2;
     setup.slam.loops.min_gap = 4;
@@ -33,13 +33,13 @@ fn done(feed: &dyn FrameFeed, setup: &Setup) -> RunOutcome {
 }
 
 /// Everything in a run that must not depend on how its stages share time.
-fn bits(outcome: &RunOutcome) -> (Vec<(FrameStatus, Option<SE3>)>, u64, usize) {
+pub(crate) fn bits(outcome: &RunOutcome) -> (Vec<(FrameStatus, Option<SE3>)>, u64, usize) {
     let frames = outcome.frames.iter().map(|frame| (frame.status.clone(), frame.world_from_cam));
     (frames.collect(), outcome.map.digest(), outcome.loops.len())
 }
 
 /// The run in turn, made once.
-fn in_turn() -> &'static RunOutcome {
+pub(crate) fn in_turn() -> &'static RunOutcome {
     static OUTCOME: OnceLock<RunOutcome> = OnceLock::new();
     OUTCOME.get_or_init(|| done(revisit(), &setup(Schedule::Sequential)))
 }

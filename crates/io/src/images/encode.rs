@@ -1,8 +1,9 @@
-//! Writing of PNG files, each under a temporary name first.
+//! Writing of PNG files, each under a temporary name first; small JPEG previews.
 
 use std::path::{Path, PathBuf};
 
 use geometry::{DepthImage, GrayImage};
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
@@ -32,6 +33,44 @@ pub fn save_png_rgb(path: &Path, image: &Rgb) -> Result<(), FileError> {
 pub fn save_png_depth(path: &Path, image: &DepthImage) -> Result<(), FileError> {
     let bytes: Vec<u8> = image.data.iter().flat_map(|value| value.to_ne_bytes()).collect();
     save(path, (image.width, image.height), &bytes, ExtendedColorType::L16)
+}
+
+/// A small picture of an image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Preview {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    /// A JPEG file.
+    pub jpeg: Vec<u8>,
+}
+
+/// Quality of previews, of 100.
+const PREVIEW_QUALITY: u8 = 75;
+
+/// A preview at most `max_width` wide: blocks of pixels averaged, the same number in x and y. `None` for an image that JPEG cannot
+/// hold: without pixels, or with more than 65 535 in a row or column.
+pub fn preview(image: &GrayImage, max_width: usize) -> Option<Preview> {
+    let side = image.width.div_ceil(max_width.max(1)).max(1);
+    let (width, height) = (image.width / side, image.height / side);
+    let mut pixels = Vec::with_capacity(width * height);
+    let mut sums = vec![0_u32; width];
+    let n = (side * side) as u32;
+    for block in 0..height {
+        sums.fill(0);
+        for y in block * side..(block + 1) * side {
+            for (sum, pixels) in sums.iter_mut().zip(image.row(y).chunks_exact(side)) {
+                *sum += pixels.iter().map(|&pixel| u32::from(pixel)).sum::<u32>();
+            }
+        }
+        pixels.extend(sums.iter().map(|sum| ((sum + n / 2) / n) as u8));
+    }
+    let mut jpeg = Vec::with_capacity(pixels.len() / 4);
+    let mut encoder = JpegEncoder::new_with_quality(&mut jpeg, PREVIEW_QUALITY);
+    let (columns, rows) = (u32::from(u16::try_from(width).ok()?), u32::from(u16::try_from(height).ok()?));
+    encoder.encode(&pixels, columns, rows, ExtendedColorType::L8).ok()?;
+    Some(Preview { width, height, jpeg })
 }
 
 fn save(

@@ -42,7 +42,8 @@ pub(crate) struct LocallyTracked {
     pub(crate) cam_from_reference: SE3,
     /// Inlier matches, sorted by feature.
     pub(crate) matches: Vec<(u32, PointId)>,
-    pub(crate) n_matches: usize,
+    /// All matches, inliers or not, sorted by feature.
+    pub(crate) matched: Vec<(u32, PointId)>,
     pub(crate) n_points: usize,
     pub(crate) counts: Vec<PointCount>,
 }
@@ -51,7 +52,7 @@ pub(crate) struct LocallyTracked {
 struct Searched {
     visible: Vec<(PointId, Projection)>,
     refined: RefinedPose,
-    n_matches: usize,
+    matched: Vec<(u32, PointId)>,
 }
 
 impl LocalMap {
@@ -105,7 +106,7 @@ impl LocalMap {
             start.cam_from_world = wide.refined.cam_from_world;
             start.matches = wide.refined.inliers;
         }
-        let Searched { visible, refined, n_matches } =
+        let Searched { visible, refined, matched } =
             self.search_and_refine(frame, map, &start, factor, params);
         let reference_from_world =
             map.keyframe(self.reference).map_or(SE3::identity(), |kf| kf.cam_from_world);
@@ -114,7 +115,7 @@ impl LocalMap {
             reference: self.reference,
             cam_from_reference: (refined.cam_from_world * reference_from_world.inverse()).normalized(),
             counts: count(&visible, &start.matches, &refined.inliers),
-            n_matches,
+            matched,
             n_points: self.points.len(),
             matches: refined.inliers,
         }
@@ -134,7 +135,7 @@ impl LocalMap {
         matches.extend(search(frame, map, &visible, &start.matches, factor));
         matches.sort_unstable();
         let refined = refine(frame, map, start.cam_from_world, &matches, params.noise());
-        Searched { visible, refined, n_matches: matches.len() }
+        Searched { visible, refined, matched: matches }
     }
 
     /// The local points that the frame should see and that are not matched yet.

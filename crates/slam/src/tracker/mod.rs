@@ -101,6 +101,10 @@ pub struct Tracked {
     pub keyframe: Option<KeyframeRequest>,
     /// Counts.
     pub stats: TrackStats,
+    /// All matches of features with map points, sorted by feature.
+    pub matched: Vec<(u32, PointId)>,
+    /// Those of them that agree with the pose.
+    pub inliers: Vec<(u32, PointId)>,
 }
 
 /// The tracker's memory between two frames: the last frame and how the camera moved.
@@ -192,7 +196,15 @@ impl Tracker {
                 }
             });
         self.last = Some(LastFrame::new(frame.clone(), pose, &local.matches));
-        Tracked { state: TrackState::Tracked, pose: Some(pose), counts: local.counts, keyframe, stats }
+        Tracked {
+            state: TrackState::Tracked,
+            pose: Some(pose),
+            counts: local.counts,
+            keyframe,
+            stats,
+            matched: local.matched,
+            inliers: local.matches,
+        }
     }
 
     /// Tries the ways of prediction in turn, each confirmed by the local map. The reason of the attempt that came
@@ -296,6 +308,8 @@ fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
         counts: Vec::new(),
         keyframe: None,
         stats: TrackStats::default(),
+        matched: Vec::new(),
+        inliers: Vec::new(),
     }
 }
 
@@ -304,7 +318,7 @@ fn stats_of(predicted: &Prediction, local: &LocallyTracked) -> TrackStats {
         predicted: predicted.matches.len(),
         local_points: local.n_points,
         visible: local.counts.len(),
-        matches: local.n_matches,
+        matches: local.matched.len(),
         inliers: local.matches.len(),
         without_motion_model: predicted.without_motion_model,
         relocalised: false,

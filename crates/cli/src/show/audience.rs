@@ -1,0 +1,100 @@
+//! Everybody who watches a run.
+
+use std::path::Path;
+
+use events::FILE_NAME;
+use runtime::{Event, EventStream, Observer, RunOutcome, StreamOptions, StreamReport};
+
+use super::process::{Ended, create};
+use super::{Manner, ViewerProcess, start};
+use crate::console;
+use crate::exit::{Failure, OrExit};
+use crate::job::Job;
+use crate::progress::Progress;
+use crate::report;
+use crate::summary::Summary;
+
+/// The person at the terminal, and the streams of events that are wanted.
+pub(crate) struct Audience {
+    /// What the person sees.
+    pub(crate) progress: Progress,
+    /// To `events.dslog`.
+    file: Option<EventStream>,
+    /// To the viewer.
+    viewer: Option<(EventStream, ViewerProcess)>,
+}
+
+impl Audience {
+    /// Opens the streams that the job asks for. Without any, nothing is done for them during the run.
+    ///
+    /// # Errors
+    /// A file that cannot be made, a viewer that cannot be started.
+    pub(crate) fn gather(job: &Job<'_>) -> Result<Self, Failure> {
+        let (show, path) = (&job.show, job.folder.file(FILE_NAME));
+        let options = StreamOptions { image_every: show.rerun_every, ..StreamOptions::default() };
+        let mut audience = Audience { progress: Progress::new(), file: None, viewer: None };
+        if show.events {
+            let target = Box::new(create(&path).or_output()?);
+            audience.file = Some(EventStream::start(target, start::of_job(job), options).or_output()?);
+        } else {
+            // That of an older run in the same folder tells of another one.
+            let _ = std::fs::remove_file(&path);
+        }
+        if let (Some(program), Some(manner)) = (&job.viewer, Manner::of_run(show)) {
+            let (process, pipe) = ViewerProcess::start(program, None, &manner).or_input()?;
+            // A pipe is as bounded as its reader makes it.
+            let options = StreamOptions { max_bytes: u64::MAX, ..options };
+            if let Some(pipe) = pipe {
+                let stream = EventStream::start(Box::new(pipe), start::of_job(job), options).or_output()?;
+                audience.viewer = Some((stream, process));
+            }
+        }
+        Ok(audience)
+    }
+
+    /// The end: writes what is left to write and says what went wrong with it.
+    pub(crate) fn leave(self, outcome: &RunOutcome, summary: Option<&Summary>, folder: &Path) {
+        let numbers = summary.map_or(String::new(), |summary| report::text(summary, folder));
+        let numbers = format!("```\n{}\n```\n", numbers.trim_end());
+        if let Some(stream) = self.file {
+            let report = stream.finish(outcome, numbers.clone());
+            tell(FILE_NAME, &report);
+        }
+        let Some((stream, mut process)) = self.viewer else { return };
+        let report = stream.finish(outcome, numbers);
+        tell("the viewer", &report);
+        if report.broken.is_some() {
+            process.end();
+            return;
+        }
+        match process.wait() {
+            Ended::With(status) if status.success() => {}
+            Ended::With(status) => console::note(console::warning(format!("the viewer ended with {status}"))),
+            Ended::NotYet => console::note("the viewer is still at work; it goes on alone"),
+        }
+    }
+}
+
+fn tell(name: &str, report: &StreamReport) {
+    if let Some(reason) = &report.broken {
+        console::note(console::warning(format!("{name}: {reason}; the run went on without it")));
+    } else if report.left_out > 0 {
+        console::note(format!("{name}: {} images or states of the map left out", report.left_out));
+    }
+}
+
+impl Observer for Audience {
+    fn event(&mut self, event: &Event) {
+        self.progress.event(event);
+        if let Some(stream) = &mut self.file {
+            stream.event(event);
+        }
+        if let Some((stream, _)) = &mut self.viewer {
+            stream.event(event);
+        }
+    }
+
+    fn wants_details(&self) -> bool {
+        self.file.is_some() || self.viewer.is_some()
+    }
+}

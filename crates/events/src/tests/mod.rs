@@ -1,0 +1,6 @@
+//! Tests of the stream.
+
+mod deltas;
+mod scenes;
+mod streams;
+mod world;

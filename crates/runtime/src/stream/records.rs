@@ -1,0 +1,118 @@
+//! From what the run has to what is written.
+
+use std::collections::BTreeMap;
+
+use events::{
+    Counts, End, FeatureState, Features, FinalPose, FramePose, FrameRecord, FrameState, Image, Pose,
+    StageTime,
+};
+use geometry::SE3;
+use io::Preview;
+
+use crate::details::FrameDetails;
+use crate::record::{FrameStatus, RunOutcome};
+
+/// A frame after tracking.
+pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
+    let (state, reason) = match &details.status {
+        FrameStatus::NotReady(reason) => (FrameState::NotReady, reason.to_string()),
+        FrameStatus::Tracked { .. } => (FrameState::Tracked, String::new()),
+        FrameStatus::Lost(reason) => (FrameState::Lost, reason.to_string()),
+        FrameStatus::Dropped(reason) => (FrameState::Dropped, reason.clone()),
+    };
+    let (frame, stats) = (&details.frame, &details.stats);
+    FrameRecord {
+        index: details.info.index,
+        timestamp_s: details.info.timestamp_s,
+        state,
+        reason,
+        pose: details.status.has_pose().then(|| FramePose {
+            keyframe: details.pose.map(|pose| pose.keyframe.0),
+            cam_from_keyframe: Pose::from(
+                &details.pose.map_or(SE3::identity(), |pose| pose.cam_from_keyframe),
+            ),
+            scale: details.scale,
+            world_from_cam: Pose::from(&details.world_from_cam),
+        }),
+        counts: Counts {
+            features: count(frame.len()),
+            with_depth: count(frame.n_with_depth()),
+            visible: count(stats.visible),
+            matches: count(stats.matches),
+            inliers: count(stats.inliers),
+            keyframes: count(details.map_size.0),
+            points: count(details.map_size.1),
+        },
+        stages: stage_times(&details.stages),
+    }
+}
+
+/// A frame whose images could not be used.
+pub(super) fn dropped(index: u32, timestamp_s: f64, reason: &str) -> FrameRecord {
+    FrameRecord {
+        index,
+        timestamp_s,
+        state: FrameState::Dropped,
+        reason: reason.to_owned(),
+        pose: None,
+        counts: Counts::default(),
+        stages: Vec::new(),
+    }
+}
+
+/// Times, those of a stage that ran several times added up, in the order of the first.
+pub(super) fn stage_times(stages: &[(&'static str, f64)]) -> Vec<StageTime> {
+    let mut times: Vec<StageTime> = Vec::new();
+    for (name, ms) in stages {
+        match times.iter_mut().find(|time| time.name == *name) {
+            Some(time) => time.ms += *ms as f32,
+            None => times.push(StageTime { name: (*name).to_owned(), ms: *ms as f32 }),
+        }
+    }
+    times
+}
+
+/// Features of a frame and what tracking made of them.
+pub(super) fn features(details: &FrameDetails) -> Features {
+    let frame = &details.frame;
+    let mut states = vec![FeatureState::New; frame.len()];
+    let marks = [(&details.matched, FeatureState::Outlier), (&details.inliers, FeatureState::Tracked)];
+    for (matches, state) in marks {
+        for &(feature, _) in matches {
+            if let Some(mark) = states.get_mut(feature as usize) {
+                *mark = state;
+            }
+        }
+    }
+    Features {
+        frame: details.info.index,
+        pixels: frame.keypoints.iter().map(|keypoint| [keypoint.x, keypoint.y]).collect(),
+        states,
+        activations: frame.activation.iter().map(|a| (a.clamp(0.0, 1.0) * 255.0).round() as u8).collect(),
+    }
+}
+
+/// An image, made smaller.
+pub(super) fn image(frame: u32, preview: Preview) -> Image {
+    Image { frame, size: [count(preview.width), count(preview.height)], jpeg: preview.jpeg }
+}
+
+/// The end of a run.
+pub(super) fn end(outcome: &RunOutcome, summary: String, left_out: u64) -> End {
+    let own: BTreeMap<u32, FinalPose> = outcome
+        .frames
+        .iter()
+        .filter(|frame| frame.status.has_pose())
+        .filter_map(|frame| {
+            let world_from_cam = Pose::from(&frame.world_from_cam?);
+            let submap = frame.submap.map(|root| root.0);
+            Some((frame.index, FinalPose { frame: frame.index, world_from_cam, submap }))
+        })
+        .collect();
+    End { trajectory: own.into_values().collect(), summary, left_out }
+}
+
+/// A count as it is written.
+fn count(n: usize) -> u32 {
+    u32::try_from(n).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,204 @@
+//! Draws what has changed in the scene: points, keyframes, edges, the path, the true path.
+
+use events::{Alignment, KeyframeUpdate, PointUpdate, Scene};
+use geometry::{SE3, Vec3};
+use rerun::{Color, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult};
+
+use crate::colours::{self, color, of_submap, viridis};
+use crate::layout::{self, block};
+
+/// Depth of a keyframe's frustum as a share of the median distance between neighbours on the path.
+const FRUSTUM_SHARE: f64 = 0.6;
+/// The true path is drawn anew when the alignment moves it by this share of its extent.
+const TRUTH_MOVED_SHARE: f64 = 0.003;
+
+/// Draws scenes; knows what is drawn.
+#[derive(Debug, Default)]
+pub(crate) struct Drawer {
+    /// The true path as it is drawn.
+    truth: Vec<Vec<Vec3>>,
+    /// Roots of the sub-maps that are drawn.
+    roots: Vec<u32>,
+    /// Depth of frusta, in the map's unit; fixed with the first keyframes.
+    frustum: Option<f64>,
+    /// Whether points have activations other than full trust.
+    has_activation: bool,
+}
+
+impl Drawer {
+    /// Draws everything that has changed since the last call.
+    ///
+    /// # Errors
+    /// Those of the recording.
+    pub(crate) fn draw(&mut self, scene: &mut Scene, to: &RecordingStream) -> RecordingStreamResult<()> {
+        let dirty = scene.take_dirty();
+        for &b in &dirty.points {
+            self.points(scene, b, to)?;
+        }
+        if !dirty.keyframes.is_empty() {
+            self.submaps(scene, to)?;
+        }
+        for &b in &dirty.keyframes {
+            self.keyframes(scene, b, to)?;
+        }
+        for &b in &dirty.edges {
+            let radius = Radius::new_ui_points(0.5);
+            let edges = strips(scene.edges_in(b, |k| &k.covisible));
+            let [r, g, blue, a] = colours::COVISIBILITY;
+            let colour = Color::from_unmultiplied_rgba(r, g, blue, a);
+            to.log(block(layout::COVISIBILITY, b), &lines(edges, colour, radius))?;
+            let loops = strips(scene.edges_in(b, |k| &k.loops));
+            to.log(block(layout::LOOPS, b), &lines(loops, color(colours::LOOP), Radius::new_ui_points(1.5)))?;
+        }
+        for &b in &dirty.path {
+            let path = scene.path_in(b).iter().map(|strip| flat(strip)).collect();
+            let radius = Radius::new_ui_points(1.5);
+            to.log(block(layout::TRAJECTORY, b), &lines(path, color(colours::TRAJECTORY), radius))?;
+        }
+        Ok(())
+    }
+
+    /// Draws the true path if the alignment has moved it visibly.
+    ///
+    /// # Errors
+    /// Those of the recording.
+    pub(crate) fn truth(
+        &mut self,
+        scene: &Scene,
+        alignment: &Alignment,
+        to: &RecordingStream,
+    ) -> RecordingStreamResult<()> {
+        let path = scene.true_path(alignment);
+        if has_moved(&self.truth, &path) {
+            let strips = path.iter().map(|strip| flat(strip)).collect();
+            to.log(layout::TRUTH, &lines(strips, color(colours::TRUTH), Radius::new_ui_points(1.0)))?;
+            self.truth = path;
+        }
+        Ok(())
+    }
+
+    fn points(&mut self, scene: &Scene, b: u32, to: &RecordingStream) -> RecordingStreamResult<()> {
+        let n_frames = scene.start().map_or(1, |start| start.n_frames).max(1);
+        self.has_activation |= scene.points_in(b).any(|point| point.activation < u8::MAX);
+        let colour = |point: &PointUpdate| {
+            let share = if self.has_activation {
+                f64::from(point.activation) / 255.0
+            } else {
+                f64::from(point.born) / f64::from(n_frames)
+            };
+            color(viridis(share))
+        };
+        let points = Points3D::new(scene.points_in(b).map(|point| point.position))
+            .with_colors(scene.points_in(b).map(colour))
+            .with_radii([Radius::new_ui_points(1.2)]);
+        to.log(block(layout::POINTS, b), &points)
+    }
+
+    fn keyframes(&mut self, scene: &Scene, b: u32, to: &RecordingStream) -> RecordingStreamResult<()> {
+        let depth = match self.frustum {
+            Some(depth) => depth,
+            None => {
+                let depth = frustum_depth(scene);
+                if scene.keyframes().len() > 3 {
+                    self.frustum = Some(depth);
+                }
+                depth
+            }
+        };
+        let corners = frustum_corners(scene, depth);
+        let frusta: Vec<Vec<[f32; 3]>> = scene.keyframes_in(b).map(|k| frustum(k, &corners)).collect();
+        let colours = scene.keyframes_in(b).map(|k| color(of_submap(k.submap)));
+        let keyframes =
+            LineStrips3D::new(frusta).with_colors(colours).with_radii([Radius::new_ui_points(0.7)]);
+        to.log(block(layout::KEYFRAMES, b), &keyframes)
+    }
+
+    /// A label at the root of each sub-map, when there is another set of them.
+    fn submaps(&mut self, scene: &Scene, to: &RecordingStream) -> RecordingStreamResult<()> {
+        let roots: Vec<&KeyframeUpdate> = scene.keyframes().values().filter(|k| k.parent.is_none()).collect();
+        let ids: Vec<u32> = roots.iter().map(|k| k.id).collect();
+        if ids == self.roots {
+            return Ok(());
+        }
+        let centers = roots.iter().map(|k| point(&SE3::from(&k.cam_from_world).center()));
+        let labels = Points3D::new(centers)
+            .with_labels(ids.iter().map(|id| format!("sub-map K{id}")))
+            .with_colors(ids.iter().map(|id| color(of_submap(*id))))
+            .with_radii([Radius::new_ui_points(4.0)]);
+        to.log(layout::SUBMAPS, &labels)?;
+        self.roots = ids;
+        Ok(())
+    }
+}
+
+/// Lines in one colour.
+fn lines(strips: Vec<Vec<[f32; 3]>>, colour: Color, radius: Radius) -> LineStrips3D {
+    LineStrips3D::new(strips).with_colors([colour]).with_radii([radius])
+}
+
+fn strips(edges: Vec<[Vec3; 2]>) -> Vec<Vec<[f32; 3]>> {
+    edges.iter().map(|edge| flat(edge)).collect()
+}
+
+fn flat(strip: &[Vec3]) -> Vec<[f32; 3]> {
+    strip.iter().map(point).collect()
+}
+
+fn point(p: &Vec3) -> [f32; 3] {
+    [p.x as f32, p.y as f32, p.z as f32]
+}
+
+/// The median distance between keyframes that follow each other decides how large frusta are.
+fn frustum_depth(scene: &Scene) -> f64 {
+    let centers: Vec<Vec3> =
+        scene.keyframes().values().map(|k| SE3::from(&k.cam_from_world).center()).collect();
+    let mut gaps: Vec<f64> = centers.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
+    gaps.sort_by(f64::total_cmp);
+    FRUSTUM_SHARE * gaps.get(gaps.len() / 2).copied().filter(|gap| *gap > 0.0).unwrap_or(0.5)
+}
+
+/// Corners of the image at a depth in the camera's coordinates, around it.
+fn frustum_corners(scene: &Scene, depth: f64) -> [Vec3; 4] {
+    let (focal, center, size) = scene
+        .start()
+        .map_or(([1.0; 2], [0.5; 2], [1; 2]), |s| (s.camera.focal, s.camera.center, s.camera.size));
+    let at = |u: f64, v: f64| {
+        Vec3::new((u - center[0]) / focal[0] * depth, (v - center[1]) / focal[1] * depth, depth)
+    };
+    let (w, h) = (f64::from(size[0]), f64::from(size[1]));
+    [at(0.0, 0.0), at(w, 0.0), at(w, h), at(0.0, h)]
+}
+
+/// One line along all edges of a keyframe's frustum.
+fn frustum(keyframe: &KeyframeUpdate, corners: &[Vec3; 4]) -> Vec<[f32; 3]> {
+    let world_from_cam = SE3::from(&keyframe.cam_from_world).inverse();
+    let [a, b, c, d] = corners.map(|corner| point(&(world_from_cam * corner)));
+    let tip = point(&world_from_cam.translation);
+    vec![tip, a, b, tip, c, d, tip, d, a, b, c]
+}
+
+/// Whether a path is visibly elsewhere.
+fn has_moved(drawn: &[Vec<Vec3>], path: &[Vec<Vec3>]) -> bool {
+    let points = || path.iter().flatten();
+    if drawn.iter().map(Vec::len).ne(path.iter().map(Vec::len)) {
+        return true;
+    }
+    let Some(first) = points().next() else { return false };
+    let extent = points().map(|p| (p - first).norm()).fold(0.0, f64::max);
+    let moved = drawn.iter().flatten().zip(points()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    moved > TRUTH_MOVED_SHARE * extent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_drawn_anew_only_when_it_moved_visibly() {
+        let path = |x: f64| vec![vec![Vec3::new(x, 0.0, 0.0), Vec3::new(x, 100.0, 0.0)]];
+        assert!(has_moved(&[], &path(0.0)));
+        assert!(!has_moved(&path(0.0), &path(0.1)));
+        assert!(has_moved(&path(0.0), &path(1.0)));
+        assert!(!has_moved(&[], &[]));
+    }
+}

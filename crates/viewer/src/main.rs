@@ -1,0 +1,36 @@
+//! `dsslam-rerun`: reads the event stream of a run, from a pipe or from its file, and shows it in Rerun.
+//!
+//! A program of its own: it needs most of the build time of everything together, and a run does not depend on it. Start reading
+//! at `show.rs` (a record after another), then `draw.rs` (the map and the path) and `layout.rs` (the views).
+
+mod args;
+mod colours;
+mod draw;
+mod input;
+mod layout;
+mod output;
+mod show;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    match run(&args::Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Whoever closed standard error does not want to know.
+            let _ = writeln!(std::io::stderr(), "dsslam-rerun: {error:#}");
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn run(args: &args::Args) -> anyhow::Result<()> {
+    let mut reader = input::open(&args.input)?;
+    let recording = output::open(args)?;
+    let shown = show::all(&mut reader, &recording);
+    output::close(&recording)?;
+    shown
+}
