@@ -1,8 +1,8 @@
 """The activation network: a U-Net with fewer down-samplings, more depth and separable convolutions (paper, section II-B).
 
 The vanilla U-Net halves the image four times with two plain convolutions per level. Here the image is halved three
-times, the lowest level is six separable convolutions deep with growing dilation (so that each pixel sees the street
-around it), and a convolution with a sigmoid is the head.
+times, the lowest level is six separable 5x5 convolutions deep (so that each pixel sees the street around it), and a
+convolution with a sigmoid is the head.
 """
 
 import torch
@@ -17,22 +17,28 @@ STRIDE = 2
 MEAN, DEVIATION = 0.42, 0.24
 
 
+class Pointwise(nn.Sequential):
+    """1x1 convolution, normalised, rectified: [B, C_in, H, W] -> [B, C_out, H, W]."""
+
+    def __init__(self, c_in: int, c_out: int):
+        super().__init__(nn.Conv2d(c_in, c_out, 1, bias=False), nn.BatchNorm2d(c_out), nn.ReLU())
+
+
 class Separable(nn.Module):
-    """Depthwise 3x3 convolution, then 1x1 convolution, each batch-normalised: [B, C_in, H, W] -> [B, C_out, H/s, W/s].
+    """Depthwise convolution, then 1x1 convolution, normalised: [B, C_in, H, W] -> [B, C_out, H/s, W/s].
 
     With equal shapes the input is added to the output.
     """
 
-    def __init__(self, c_in: int, c_out: int, stride: int = 1, dilation: int = 1):
+    def __init__(self, c_in: int, c_out: int, stride: int = 1, kernel: int = 3):
         super().__init__()
-        self.depthwise = nn.Conv2d(c_in, c_in, 3, stride, dilation, dilation, groups=c_in, bias=False)
-        self.norm_depthwise = nn.BatchNorm2d(c_in)
+        self.depthwise = nn.Conv2d(c_in, c_in, kernel, stride, kernel // 2, groups=c_in, bias=False)
         self.pointwise = nn.Conv2d(c_in, c_out, 1, bias=False)
-        self.norm_pointwise = nn.BatchNorm2d(c_out)
+        self.norm = nn.BatchNorm2d(c_out)
         self.residual = stride == 1 and c_in == c_out
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
-        y = self.norm_pointwise(self.pointwise(self.norm_depthwise(self.depthwise(x))))
+        y = self.norm(self.pointwise(self.depthwise(x)))
         return F.relu(x + y if self.residual else y)
 
 
@@ -41,13 +47,11 @@ class Up(nn.Module):
 
     def __init__(self, c_in: int, c_skip: int, c_out: int, depth: int):
         super().__init__()
-        self.reduce = nn.Conv2d(c_in, c_out, 1, bias=False)
-        self.norm = nn.BatchNorm2d(c_out)
-        self.join = nn.Sequential(Separable(c_out + c_skip, c_out), *[Separable(c_out, c_out) for _ in range(depth)])
+        self.reduce = Pointwise(c_in, c_out)
+        self.join = nn.Sequential(Pointwise(c_out + c_skip, c_out), *[Separable(c_out, c_out) for _ in range(depth)])
 
     def forward(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
-        x = F.relu(self.norm(self.reduce(x)))
-        x = F.interpolate(x, scale_factor=2.0, mode="bilinear", align_corners=False)
+        x = F.interpolate(self.reduce(x), scale_factor=2.0, mode="bilinear", align_corners=False)
         return self.join(torch.cat([x, skip], dim=1))
 
 
@@ -57,7 +61,7 @@ class DSFeat(nn.Module):
     `activation` gives the sigmoid of it, which is what the exported model returns.
     """
 
-    def __init__(self, widths: tuple[int, int, int] = (16, 32, 96), dilations: tuple[int, ...] = (1, 2, 4, 8, 2, 1)):
+    def __init__(self, widths: tuple[int, int, int] = (16, 32, 96), depth: int = 6):
         super().__init__()
         half, quarter, eighth = widths
         self.stem = nn.Sequential(
@@ -67,10 +71,10 @@ class DSFeat(nn.Module):
             Separable(half, quarter, stride=2), Separable(quarter, quarter), Separable(quarter, quarter)
         )
         self.down_eighth = nn.Sequential(
-            Separable(quarter, eighth, stride=2), *[Separable(eighth, eighth, dilation=d) for d in dilations]
+            Separable(quarter, eighth, stride=2), *[Separable(eighth, eighth, kernel=5) for _ in range(depth)]
         )
-        self.up_quarter = Up(eighth, quarter, quarter, depth=1)
-        self.up_half = Up(quarter, half, half, depth=0)
+        self.up_quarter = Up(eighth, quarter, quarter, depth=2)
+        self.up_half = Up(quarter, half, half, depth=1)
         self.head = nn.Conv2d(half, 1, 3, 1, 1)
 
     def forward(self, image: torch.Tensor) -> torch.Tensor:
