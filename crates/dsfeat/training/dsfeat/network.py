@@ -1,7 +1,7 @@
 """The activation network: a U-Net with fewer down-samplings, more depth and separable convolutions (paper, section II-B).
 
 The vanilla U-Net halves the image four times with two plain convolutions per level. Here the image is halved three
-times, the lowest level is six separable 5x5 convolutions deep (so that each pixel sees the street around it), and a
+times, the lowest level is six separable convolutions deep, every other one dilated (so that each pixel sees the street around it), and a
 convolution with a sigmoid is the head.
 """
 
@@ -25,14 +25,14 @@ class Pointwise(nn.Sequential):
 
 
 class Separable(nn.Module):
-    """Depthwise convolution, then 1x1 convolution, normalised: [B, C_in, H, W] -> [B, C_out, H/s, W/s].
+    """Depthwise 3x3 convolution, then 1x1 convolution, normalised: [B, C_in, H, W] -> [B, C_out, H/s, W/s].
 
     With equal shapes the input is added to the output.
     """
 
-    def __init__(self, c_in: int, c_out: int, stride: int = 1, kernel: int = 3):
+    def __init__(self, c_in: int, c_out: int, stride: int = 1, dilation: int = 1):
         super().__init__()
-        self.depthwise = nn.Conv2d(c_in, c_in, kernel, stride, kernel // 2, groups=c_in, bias=False)
+        self.depthwise = nn.Conv2d(c_in, c_in, 3, stride, dilation, dilation, groups=c_in, bias=False)
         self.pointwise = nn.Conv2d(c_in, c_out, 1, bias=False)
         self.norm = nn.BatchNorm2d(c_out)
         self.residual = stride == 1 and c_in == c_out
@@ -61,7 +61,7 @@ class DSFeat(nn.Module):
     `activation` gives the sigmoid of it, which is what the exported model returns.
     """
 
-    def __init__(self, widths: tuple[int, int, int] = (16, 32, 96), depth: int = 6):
+    def __init__(self, widths: tuple[int, int, int] = (16, 32, 96), dilations: tuple[int, ...] = (1, 4, 1, 4, 1, 4)):
         super().__init__()
         half, quarter, eighth = widths
         self.stem = nn.Sequential(
@@ -71,7 +71,7 @@ class DSFeat(nn.Module):
             Separable(half, quarter, stride=2), Separable(quarter, quarter), Separable(quarter, quarter)
         )
         self.down_eighth = nn.Sequential(
-            Separable(quarter, eighth, stride=2), *[Separable(eighth, eighth, kernel=5) for _ in range(depth)]
+            Separable(quarter, eighth, stride=2), *[Separable(eighth, eighth, dilation=d) for d in dilations]
         )
         self.up_quarter = Up(eighth, quarter, quarter, depth=2)
         self.up_half = Up(quarter, half, half, depth=1)
