@@ -13,7 +13,8 @@ render() { # preset seed frames rounds
 }
 render busy 201 400 1
 render crossing 202 300 1
-render town 203 1780 2
+render town 203 1796 2
+render busy 204 200 1
 render busy 901 100 1
 render crossing 902 100 1
 render town 903 100 1
@@ -26,6 +27,8 @@ loops=$DSFEAT_CACHE/triplets_town203.csv
 [ -e "$loops" ] || "$python" -m dsfeat.prepare loops --sequence "$DSFEAT_TOWNS/town_203/image_0" --root "$DSFEAT_TOWNS" \
     --step 6 --xfeat "$weights/xfeat.onnx" --out "$loops"
 [ -e "$DSFEAT_CACHE/triplets.npz" ] || "$python" -m dsfeat.prepare triplets --xfeat "$weights/xfeat.onnx" --csv \
-    "$loops:$DSFEAT_TOWNS:200" "$DSFEAT_TRAINING/triplets_camvid.csv:$DSFEAT_TRAINING:240" "$DSFEAT_TRAINING/triplets_kitti03.csv:$DSSLAM_DATA:75"
+    "$loops:$DSFEAT_TOWNS:90" "$DSFEAT_TRAINING/triplets_camvid.csv:$DSFEAT_TRAINING:120" "$DSFEAT_TRAINING/triplets_kitti03.csv:$DSSLAM_DATA:50"
 [ -e "$DSFEAT_CACHE/motion.npz" ] || "$python" -m dsfeat.prepare motion --sequence \
-    "$DSFEAT_TOWNS/busy_201:4" "$DSFEAT_TOWNS/crossing_202:4" "$DSFEAT_TOWNS/town_203:20"
+    "$DSFEAT_TOWNS/busy_201:4" "$DSFEAT_TOWNS/crossing_202:4" "$DSFEAT_TOWNS/town_203:12" "$DSFEAT_TOWNS/busy_204:5"
+# Only to evaluate: points on moving and on standing vehicles of two real sequences.
+[ -e "$DSFEAT_CACHE/vehicles.npz" ] || "$python" -m dsfeat.prepare vehicles --names kittiraw_0005 kittiraw_1405 --step 2

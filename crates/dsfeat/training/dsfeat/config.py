@@ -22,16 +22,21 @@ class Config:
     milestones: list[int] = field(default_factory=lambda: [20, 30, 40])
     #: The semantic loss has weight `decay ** epoch`, the matching loss the rest.
     decay: float = 0.9
+    #: The semantic loss keeps at least this weight: it is the only one that sees labelled photographs.
+    floor: float = 0.0
     #: Weight of dynamic pixels in the semantic loss (static pixels have 1).
     dynamic_weight: float = 2.0
-    #: Hybrid only: labelled images, triplets and frames with motion labels per step.
+    #: Hybrid only: labelled images, triplets and frames with maps refined by motion per step.
     hybrid_batch: int = 6
     triplets: int = 1
     motion_frames: int = 4
     #: Margins of the triplet loss for the dense and the sparse distance.
     margin_dense: float = 0.2
     margin_sparse: float = 0.3
-    #: Weights of dense triplet loss, sparse triplet loss and per-match motion loss within the matching loss.
+    #: Weights of moved pixels and of pixels on standing vehicles in the motion loss (others have 1).
+    moved_weight: float = 4.0
+    standing_weight: float = 3.0
+    #: Weights of dense triplet loss, sparse triplet loss and motion loss within the matching loss.
     weight_dense: float = 0.25
     weight_sparse: float = 0.25
     weight_motion: float = 1.0

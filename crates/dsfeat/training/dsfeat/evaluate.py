@@ -19,6 +19,7 @@ from .augment import whole
 from .data import DYNAMIC, STATIC, TOWN_MOVING, TOWN_PARKED, TOWN_STILL, Scenes, add_folders, load, need
 from .metrics import Tally
 from .network import DSFeat
+from .triplets import VEHICLES
 
 #: Activation maps [B, 48, 160] of images [B, 1, 96, 320].
 Predict = Callable[[np.ndarray], np.ndarray]
@@ -81,6 +82,24 @@ def town(predict: Predict, scenes: Scenes, limit: int | None = None) -> dict[str
     }
 
 
+def vehicles(predict: Predict, path: Path) -> dict[str, dict[str, float]]:
+    """Standing against moving points on vehicles of real sequences (labels by motion, `dsfeat.prepare vehicles`)."""
+    with np.load(path) as file:
+        data = {k: file[k] for k in file.files}
+    found = {}
+    for number, name in enumerate(data["names"]):
+        tally = Tally()
+        for i in np.flatnonzero(data["source"] == number):
+            activation = predict(data["images"][i].astype(np.float32)[None, None] / 255.0)[0]
+            scale = np.array(activation.shape[::-1]) / 2.0
+            x, y = ((data["points"][i] + 1.0) * scale - 0.5).T.astype(np.float32)
+            values = cv2.remap(activation, x[None], y[None], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[0]
+            tally.add(np.clip(values, 0.0, 1.0), data["labels"][i] == 1, data["labels"][i] == 0)
+        standing, moving = tally.means()
+        found[f"vehicles_{name}"] = {"auc_standing_moving": tally.auc(), "mean_standing": standing, "mean_moving": moving}
+    return found
+
+
 def chosen(scenes: Scenes, limit: int | None) -> np.ndarray:
     """All frames, or `limit` evenly spread ones."""
     count = len(scenes) if limit is None else min(limit, len(scenes))
@@ -107,6 +126,8 @@ def evaluate(predict: Predict, cache: Path) -> dict[str, dict[str, float]]:
     found = {name: road(predict, load(name, cache)) for name in ROAD_SCENES if (cache / f"{name}.npz").is_file()}
     for path in sorted(cache.glob("town_*_9??.npz")):
         found[path.stem] = town(predict, load(path.stem, cache))
+    if (cache / VEHICLES).is_file():
+        found.update(vehicles(predict, cache / VEHICLES))
     return found
 
 

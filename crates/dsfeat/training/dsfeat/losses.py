@@ -1,4 +1,4 @@
-"""The losses of the paper: semantic (eq. 1), triplet matching (eq. 2 to 6), hybrid (eq. 7), and the per-match motion loss.
+"""The losses of the paper: semantic (eq. 1), triplet matching (eq. 2 to 6), hybrid (eq. 7), and the motion loss.
 
 Two of the paper's formulas have a trivial minimum at zero activation everywhere (eq. 3 and 4 are proportional to the
 activation). Here the weights of one image, or of the matches of one pair, are normalised to mean 1, so that only their
@@ -7,6 +7,8 @@ distribution counts.
 
 import torch
 from torch.nn import functional as F
+
+from .motion import IGNORED, MOVED, STANDING
 
 #: Least mean of weights before normalisation.
 FLOOR = 1e-3
@@ -73,21 +75,24 @@ def triplet(positive: torch.Tensor, negative: torch.Tensor, margin: float) -> to
     return F.relu(positive - negative + margin).mean()
 
 
-def motion(logits: torch.Tensor, points: torch.Tensor, targets: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
-    """Cross entropy per match: logits [B, 1, H, W], points [B, N, 2] in -1..1, targets and weights [B, N].
+def motion(logits: torch.Tensor, maps: torch.Tensor, moved: float, standing: float) -> torch.Tensor:
+    """Cross entropy with maps refined by motion: logits [B, 1, H, W], maps [B, H, W] (values of `dsfeat.motion`).
 
-    The target is 1 where a match moved as a static point must, 0 where it did not; the weight is 0 where unknown.
+    Pixels that moved have target 0 and weight `moved`, those on standing vehicles target 1 and weight `standing`.
     """
-    loss = F.binary_cross_entropy_with_logits(at_points(logits, points), targets, weights, reduction="sum")
-    return loss / weights.sum().clamp(min=1.0)
+    weight = torch.ones_like(logits[:, 0])
+    for value, factor in ((MOVED, moved), (STANDING, standing), (IGNORED, 0.0)):
+        weight = torch.where(maps == value, factor, weight)
+    target = (maps != MOVED).to(logits.dtype)
+    loss = F.binary_cross_entropy_with_logits(logits[:, 0], target, weight, reduction="sum")
+    return loss / weight.sum().clamp(min=1.0)
 
 
-def semantic_weight(epoch: int, decay: float) -> float:
+def semantic_weight(epoch: int, decay: float, floor: float) -> float:
     """Weight of the semantic loss in epoch 0, 1, ...; eq. 7 with alpha = 1 - this."""
-    return decay**epoch
+    return max(decay**epoch, floor)
 
 
-def hybrid(semantic_loss: torch.Tensor, matching_loss: torch.Tensor, epoch: int, decay: float) -> torch.Tensor:
-    """Eq. 7 with alpha = 1 - decay ** epoch: the semantic loss leads first, the matching loss later."""
-    w = semantic_weight(epoch, decay)
-    return w * semantic_loss + (1.0 - w) * matching_loss
+def hybrid(semantic_loss: torch.Tensor, matching_loss: torch.Tensor, weight: float) -> torch.Tensor:
+    """Eq. 7 with alpha = 1 - weight: the semantic loss leads first, the matching loss later."""
+    return weight * semantic_loss + (1.0 - weight) * matching_loss

@@ -13,6 +13,10 @@ import cv2
 import numpy as np
 
 STATIC, MOVING, UNKNOWN = 1, 0, 2
+#: Values of a refined stability map.
+MOVED, STILL, IGNORED, STANDING = 0, 1, 2, 3
+#: A pixel of a dynamic class follows a labelled point within this distance, pixels.
+REACH_PX = 30.0
 #: Corners per frame.
 CORNERS = 1400
 #: Deviation of a tracked place, pixels.
@@ -133,6 +137,30 @@ def supported(points: np.ndarray, labels: np.ndarray, radius: float = 40.0) -> n
         against = (np.linalg.norm(static - points[i], axis=1) < radius).sum()
         if near < 2 or near < 0.7 * against:
             out[i] = UNKNOWN
+    return out
+
+
+def refined(kinds: np.ndarray, points: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Stability map [H, W] of a semantic map `kinds` (0 dynamic class, 1 static) after the motion labels.
+
+    Each pixel of a dynamic class follows the nearest labelled point on such a class within `REACH_PX`: MOVED where it
+    moves, STANDING where it stands still, IGNORED where no point is near. All other pixels are STILL.
+    """
+    dynamic = kinds == 0
+    out = np.where(dynamic, IGNORED, STILL).astype(np.uint8)
+    column, row = np.rint(points).astype(int).T
+    on = dynamic[row.clip(0, kinds.shape[0] - 1), column.clip(0, kinds.shape[1] - 1)] & (labels != UNKNOWN)
+    if not on.any():
+        return out
+    seeds = np.ones(kinds.shape, np.uint8)
+    seeds[row[on], column[on]] = 0
+    value = np.zeros(kinds.shape, np.uint8)
+    value[row[on], column[on]] = np.where(labels[on] == MOVING, MOVED, STANDING)
+    distance, index = cv2.distanceTransformWithLabels(seeds, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    table = np.zeros(int(index.max()) + 1, np.uint8)
+    table[index[seeds == 0]] = value[seeds == 0]
+    near = dynamic & (distance < REACH_PX)
+    out[near] = table[index[near]]
     return out
 
 

@@ -6,7 +6,8 @@
     python -m dsfeat.prepare semantic --images FOLDER --segmenter espnetv2.onnx --out LABELS
 
 `loops` finds loops by place recognition and writes (query, positive, negative); `triplets` computes descriptors and
-matches of such lists; `motion` labels moving points of stereo sequences; `semantic` writes stability maps (0 static,
+matches of such lists; `motion` labels moving points of stereo sequences; `vehicles` the
+same on vehicles of real sequences, for evaluation only; `semantic` writes stability maps (0 static,
 255 dynamic, 128 unsure) with a Cityscapes segmenter, for the reader `kitti_pseudo`.
 """
 
@@ -18,13 +19,13 @@ import cv2
 import numpy as np
 
 from .augment import whole
-from .data import DYNAMIC_CLASSES, add_folders, need, read_grey
+from .data import DYNAMIC, DYNAMIC_CLASSES, add_folders, need, read_classes, read_grey, resize_pair, stability
 from .export import session
 from .matching import Features, features, packed, pair, to_unit
-from .motion import UNKNOWN, label_frame, read_rig
+from .motion import UNKNOWN, label_frame, read_rig, refined
 from .network import HEIGHT, WIDTH
 from .places import bags, features_of, find_loops, find_negative, similarities, vocabulary
-from .triplets import MOTION, TRIPLETS
+from .triplets import MOTION, TRIPLETS, VEHICLES
 
 #: Labelled points kept per frame.
 POINTS = 640
@@ -118,8 +119,11 @@ def triplets(args: argparse.Namespace) -> None:
 
 
 def motion(args: argparse.Namespace) -> None:
-    """Motion labels of every STEP-th frame of stereo sequences into `motion.npz`."""
-    images, points, labels, source = [], [], [], []
+    """Stability maps refined by motion of every STEP-th frame of rendered towns into `motion.npz`.
+
+    Of the masks only the class is used (vehicle or not); which vehicles move is found by `dsfeat.motion`.
+    """
+    images, maps, source = [], [], []
     for number, entry in enumerate(args.sequence):
         name, step = entry.rsplit(":", 1)
         folder = Path(name)
@@ -128,25 +132,51 @@ def motion(args: argparse.Namespace) -> None:
         count = 0
         for t in range(0, len(lefts) - SPAN, int(step)):
             window = [read_grey(p) for p in lefts[t : t + SPAN + 1]]
-            rights = [read_grey(folder / "image_1" / lefts[i].name) for i in (t, t + SPAN)]
-            result = label_frame(rig, window, *rights)
+            result = label_frame(rig, window, *(read_grey(folder / "image_1" / lefts[i].name) for i in (t, t + SPAN)))
             if result is None:
                 continue
-            place, label = result
-            known = np.flatnonzero(label != UNKNOWN)
-            # Movers are rare: they come first if there are too many points.
-            known = known[np.argsort(label[known], kind="stable")][:POINTS]
-            one, state = np.zeros((POINTS, 2), np.float32), np.full(POINTS, UNKNOWN, np.uint8)
-            one[: len(known)] = to_unit(place[known], (window[0].shape[1], window[0].shape[0]))
-            state[: len(known)] = label[known]
-            images.append(cv2.resize(window[0], STORED, interpolation=cv2.INTER_AREA))
-            points.append(one)
-            labels.append(state)
+            kinds = stability(read_classes(folder / "masks" / lefts[t].name), "town")
+            image, labels = resize_pair(window[0], refined(kinds, *result), STORED)
+            images.append(image)
+            maps.append(labels)
             source.append(number)
             count += 1
         print(f"{name}: {count} frames", flush=True)
-    arrays = {"images": images, "points": points, "labels": labels, "source": source}
-    np.savez(args.cache / MOTION, **{k: np.array(v) for k, v in arrays.items()})
+    np.savez(args.cache / MOTION, images=np.array(images), maps=np.array(maps), source=np.array(source))
+
+
+def vehicles(args: argparse.Namespace) -> None:
+    """Motion labels of the points on dynamic classes in pseudo-labelled stereo sequences, into `vehicles.npz`: for evaluation."""
+    images, points, labels, source = [], [], [], []
+    for number, name in enumerate(args.names):
+        folder = args.sequences / name
+        rig = read_rig((folder / "calib.txt").read_text())
+        lefts = sorted((folder / "image_0").glob("*.png"))
+        index = {p.stem: i for i, p in enumerate(lefts)}
+        for path in sorted((args.training / "kitti_pseudo" / name / "label").glob("*.webp"))[:: args.step]:
+            t = index[path.stem]
+            if t + SPAN >= len(lefts):
+                continue
+            window = [read_grey(p) for p in lefts[t : t + SPAN + 1]]
+            result = label_frame(rig, window, *(read_grey(folder / "image_1" / lefts[i].name) for i in (t, t + SPAN)))
+            if result is None:
+                continue
+            kinds = stability(read_classes(path), "kitti_pseudo")
+            place, label = result
+            column, row = np.rint(place).astype(int).T
+            kept = np.flatnonzero((kinds[row.clip(0, kinds.shape[0] - 1), column.clip(0, kinds.shape[1] - 1)] == DYNAMIC) & (label != UNKNOWN))
+            one, state = np.zeros((POINTS, 2), np.float32), np.full(POINTS, UNKNOWN, np.uint8)
+            kept = kept[:POINTS]
+            one[: len(kept)] = to_unit(place[kept], (window[0].shape[1], window[0].shape[0]))
+            state[: len(kept)] = label[kept]
+            images.append(small(window[0]))
+            points.append(one)
+            labels.append(state)
+            source.append(number)
+        ours = np.array([x for x, s in zip(labels, source) if s == number])
+        print(f"{name}: {len(ours)} frames, {(ours == 0).sum()} moving and {(ours == 1).sum()} standing points on vehicles", flush=True)
+    arrays = {"images": images, "points": points, "labels": labels, "source": source, "names": args.names}
+    np.savez(args.cache / VEHICLES, **{k: np.array(v) for k, v in arrays.items()})
 
 
 def semantic(args: argparse.Namespace) -> None:
@@ -187,6 +217,11 @@ def main() -> None:
     three.add_argument("--sequence", nargs="+", required=True, help="FOLDER:STEP")
     add_folders(three)
     three.set_defaults(run=motion)
+    five = commands.add_parser("vehicles", help="moving and standing points on vehicles of real sequences, to evaluate")
+    five.add_argument("--names", nargs="+", required=True, help="sequences with pseudo-labels and stereo images")
+    five.add_argument("--step", type=int, default=1, help="use every n-th labelled frame")
+    add_folders(five)
+    five.set_defaults(run=vehicles)
     four = commands.add_parser("semantic", help="stability maps by a segmenter")
     four.add_argument("--images", type=Path, required=True)
     four.add_argument("--segmenter", type=Path, required=True, help="Cityscapes segmenter as ONNX")

@@ -65,8 +65,8 @@ def matching_loss(network: DSFeat, matching: Matching, config: Config, key: tupl
     rng = np.random.default_rng(key)
     batch = matching.triplet_batch(rng, config.triplets)
     frames = matching.motion_batch(rng, config.motion_frames)
-    shown = np.concatenate([batch.images.reshape(-1, *batch.images.shape[2:]), frames.images])
-    shown = torch.from_numpy(np.stack([light(rng, image) for image in shown]))[:, None]
+    shown = np.stack([light(rng, image) for image in batch.images.reshape(-1, *batch.images.shape[2:])])
+    shown = torch.from_numpy(np.concatenate([shown, frames.images]))[:, None]
     logits = network(torch.cat([extra, shown]).contiguous(memory_format=torch.channels_last))
     ours, theirs, last = torch.split(logits, [len(extra), 3 * config.triplets, len(frames.images)])
     maps = torch.sigmoid(theirs).reshape(config.triplets, 3, 1, *theirs.shape[2:])
@@ -81,7 +81,7 @@ def matching_loss(network: DSFeat, matching: Matching, config: Config, key: tupl
         losses.sparse_distance(q, neg.points_1, n, neg.points_2, neg.errors, neg.valid),
         config.margin_sparse,
     )
-    moving = losses.motion(last, frames.points, frames.targets, frames.weights)
+    moving = losses.motion(last, frames.maps, config.moved_weight, config.standing_weight)
     return ours, dense, sparse, moving
 
 
@@ -97,7 +97,8 @@ def step_losses(network: DSFeat, labelled: Labelled, matching: Matching | None, 
     logits, dense, sparse, moving = matching_loss(network, matching, config, (config.seed, epoch, step, 1), images)
     semantic = losses.semantic(logits, maps, config.dynamic_weight)
     total = config.weight_dense * dense + config.weight_sparse * sparse + config.weight_motion * moving
-    return losses.hybrid(semantic, total, epoch, config.decay), semantic, dense, sparse, moving
+    weight = losses.semantic_weight(epoch, config.decay, config.floor)
+    return losses.hybrid(semantic, total, weight), semantic, dense, sparse, moving
 
 
 def train_epoch(network: DSFeat, optimiser, labelled: Labelled, matching, config: Config, epoch: int) -> np.ndarray:
@@ -157,7 +158,7 @@ def run(config: Config, out: Path, cache: Path, threads: int) -> None:
         rate = optimiser.param_groups[0]["lr"]
         means = train_epoch(network, optimiser, labelled, matching, config, epoch)
         schedule.step()
-        weight = losses.semantic_weight(epoch, config.decay) if config.hybrid else 1.0
+        weight = losses.semantic_weight(epoch, config.decay, config.floor) if config.hybrid else 1.0
         row = dict(zip(COLUMNS, [epoch, rate, weight, *(float(x) for x in means), 0.0]))
         if epoch % 5 == 4 or epoch == 0:
             row.update(quick(network, watched))

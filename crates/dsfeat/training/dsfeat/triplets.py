@@ -1,4 +1,4 @@
-"""Batches for the matching loss: triplets with dense descriptors and matches, frames with motion labels."""
+"""Batches for the matching loss: triplets with dense descriptors and matches, frames with maps refined by motion."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,12 +6,11 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from .augment import warp, window
+from .augment import sample
+from .motion import MOVED
 
 #: Files that `dsfeat.prepare` writes into the cache.
-TRIPLETS, MOTION = "triplets.npz", "motion.npz"
-#: Weight of a moving point against a static one in the motion loss.
-MOVING_WEIGHT = 3.0
+TRIPLETS, MOTION, VEHICLES = "triplets.npz", "motion.npz", "vehicles.npz"
 
 
 @dataclass
@@ -36,12 +35,10 @@ class TripletBatch:
 
 @dataclass
 class MotionBatch:
-    """Images [B, 96, 320] uint8, points [B, N, 2] in -1..1, targets and weights [B, N] (0 outside the window)."""
+    """Images [B, 96, 320] float32, maps refined by motion [B, 48, 160] (values of `dsfeat.motion`)."""
 
     images: np.ndarray
-    points: torch.Tensor
-    targets: torch.Tensor
-    weights: torch.Tensor
+    maps: torch.Tensor
 
 
 def mirrored(points: np.ndarray, flip: bool) -> np.ndarray:
@@ -53,25 +50,13 @@ def mirrored(points: np.ndarray, flip: bool) -> np.ndarray:
     return out
 
 
-def windowed(rng: np.random.Generator, image: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A random, perhaps mirrored window of a frame [H, W] at the network's size, and the points [N, 2] in it (-1..1 inside)."""
-    box = window(rng, image.shape[1] / image.shape[0])
-    flip = bool(rng.random() < 0.5)
-    shown = warp(image, np.zeros((1, 1), np.uint8), box, flip)[0]
-    x, y, width, height = box
-    share = 0.5 * (points + 1.0)
-    placed = 2.0 * (share - np.array([x, y], np.float32)) / np.array([width, height], np.float32) - 1.0
-    return shown, mirrored(placed.astype(np.float32), flip)
-
-
 class Matching:
     """The prepared triplets and motion labels, drawn at random.
 
     Triplets are mirrored at random but never cropped, for their descriptors are those of the whole frame.
 
     `triplets`: images [N, 96, 320] uint8, descriptors [N, h, w, C] float16, index [T, 3], points [T, 2, K, 4],
-    errors [T, 2, K] (-1 unused), source [T]. `frames`: images [N, H, W] uint8, points [N, M, 2] in -1..1,
-    labels [N, M] (0 moving, 1 static, 2 unknown or unused).
+    errors [T, 2, K] (-1 unused), source [T]. `frames`: images and maps [N, H, W] uint8.
     """
 
     def __init__(self, triplets: dict[str, np.ndarray], frames: dict[str, np.ndarray]):
@@ -79,9 +64,9 @@ class Matching:
         self.frames = frames
         sources = triplets["source"]
         self.by_source = [np.flatnonzero(sources == s) for s in np.unique(sources)]
-        moving = (frames["labels"] == 0).sum(axis=1)
+        moving = (frames["maps"] == MOVED).mean(axis=(1, 2))
         # Frames without movers teach that parked cars are static; those with movers are drawn as often.
-        self.by_traffic = [x for x in (np.flatnonzero(moving >= 5), np.flatnonzero(moving < 5)) if len(x)]
+        self.by_traffic = [x for x in (np.flatnonzero(moving >= 0.002), np.flatnonzero(moving < 0.002)) if len(x)]
 
     @classmethod
     def load(cls, cache: Path) -> "Matching":
@@ -113,12 +98,9 @@ class Matching:
         return TripletBatch(images, descriptors, *pairs)
 
     def motion_batch(self, rng: np.random.Generator, size: int) -> MotionBatch:
-        """`size` frames with motion labels, with and without movers in turn."""
+        """`size` augmented frames with refined maps, with and without movers in turn."""
         groups = self.by_traffic
         rows = [(g := groups[i % len(groups)])[rng.integers(len(g))] for i in range(size)]
-        shown = [windowed(rng, self.frames["images"][i], self.frames["points"][i]) for i in rows]
-        points = np.stack([x[1] for x in shown])
-        labels = torch.from_numpy(self.frames["labels"][rows])
-        inside = torch.from_numpy(np.abs(points).max(axis=2) < 1.0)
-        weights = torch.where(labels == 0, MOVING_WEIGHT, 1.0) * ((labels != 2) & inside)
-        return MotionBatch(np.stack([x[0] for x in shown]), torch.from_numpy(points), (labels == 1).float(), weights)
+        images, maps = self.frames["images"], self.frames["maps"]
+        found = [sample(rng, images[i], maps[i], images.shape[2] / images.shape[1]) for i in rows]
+        return MotionBatch(np.stack([x[0] for x in found]), torch.from_numpy(np.stack([x[1] for x in found])))

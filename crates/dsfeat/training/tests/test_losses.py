@@ -5,6 +5,7 @@ import math
 import torch
 
 from dsfeat import losses
+from dsfeat.motion import IGNORED, MOVED, STANDING, STILL
 
 
 def test_semantic_loss_of_a_known_map():
@@ -77,12 +78,13 @@ def test_triplet_loss():
 
 def test_hybrid_loss_moves_from_semantic_to_matching():
     one, two = torch.tensor(1.0), torch.tensor(3.0)
-    assert float(losses.hybrid(one, two, 0, 0.9)) == 1.0
-    assert abs(float(losses.hybrid(one, two, 2, 0.9)) - (0.81 + 0.19 * 3.0)) < 1e-6
+    weights = [losses.semantic_weight(epoch, 0.9, 0.25) for epoch in (0, 2, 30)]
+    assert weights[0] == 1.0 and abs(weights[1] - 0.81) < 1e-12 and weights[2] == 0.25
+    assert abs(float(losses.hybrid(one, two, weights[1])) - (0.81 + 0.19 * 3.0)) < 1e-6
 
 
-def test_motion_loss_counts_known_points_only():
-    logits = torch.tensor([[[[3.0, -3.0]]]])
-    points = torch.tensor([[[-0.5, 0.0], [0.5, 0.0]]])
-    loss = losses.motion(logits, points, torch.tensor([[1.0, 1.0]]), torch.tensor([[2.0, 0.0]]))
-    assert abs(float(loss) - math.log1p(math.exp(-3.0))) < 1e-6
+def test_motion_loss_weighs_moved_and_standing_pixels():
+    logits = torch.tensor([[[[0.0, 2.0, -1.0, 7.0]]]])
+    maps = torch.tensor([[[MOVED, STILL, STANDING, IGNORED]]])
+    expected = 4.0 * math.log(2) + math.log1p(math.exp(-2.0)) + 3.0 * math.log1p(math.exp(1.0))
+    assert abs(float(losses.motion(logits, maps, 4.0, 3.0)) - expected / 8.0) < 1e-6

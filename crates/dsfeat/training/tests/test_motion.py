@@ -51,6 +51,16 @@ def test_lonely_movers_are_dropped():
     assert motion.supported(points, labels).tolist() == [motion.MOVING] * 3 + [motion.UNKNOWN]
 
 
+def test_refined_maps_follow_the_nearest_labelled_point_on_a_vehicle():
+    kinds = np.ones((60, 200), np.uint8)
+    kinds[20:40, 20:60], kinds[20:40, 120:190] = 0, 0
+    points = np.array([[40.0, 30.0], [125.0, 30.0], [70.0, 30.0]])
+    labels = np.array([motion.MOVING, motion.STATIC, motion.MOVING], np.uint8)
+    found = motion.refined(kinds, points, labels)
+    assert (found[20:40, 20:60] == motion.MOVED).all() and found[30, 70] == motion.STILL
+    assert found[30, 130] == motion.STANDING and found[30, 185] == motion.IGNORED
+
+
 def test_epipolar_error_of_rectified_cameras_is_the_difference_of_rows():
     f = np.array([[0.0, 0, 0], [0, 0, -1], [0, 1, 0]])
     one, two = np.array([[10.0, 20.0], [30.0, 40.0]]), np.array([[5.0, 20.0], [30.0, 43.0]])
