@@ -21,7 +21,7 @@ TOLERANCE = 1e-4
 
 
 def export_onnx(network: DSFeat, path: Path) -> None:
-    """Writes `network` as ONNX: `image` float32 [1, 1, 128, 416] in 0..1 -> `activation` [1, 1, 64, 208]."""
+    """Writes `network` as ONNX: `image` float32 [1, 1, 96, 320] in 0..1 -> `activation` [1, 1, 48, 160]."""
     torch.onnx.export(
         Exported(network).eval(),
         (torch.zeros(1, 1, HEIGHT, WIDTH),),

@@ -1,16 +1,16 @@
 """The activation network: a U-Net with fewer down-samplings, more depth and separable convolutions (paper, section II-B).
 
 The vanilla U-Net halves the image four times with two plain convolutions per level. Here the image is halved three
-times, the lowest level is six separable convolutions deep, every other one dilated (so that each pixel sees the street around it), and a
-convolution with a sigmoid is the head.
+times, the lowest level is six separable convolutions deep, every other one dilated (so that each pixel sees the street
+around it), and a convolution with a sigmoid is the head.
 """
 
 import torch
 from torch import nn
 from torch.nn import functional as F
 
-#: Network input, pixels: KITTI's 1226 x 370 at about a third.
-HEIGHT, WIDTH = 128, 416
+#: Network input, pixels: KITTI's 1226 x 370 at about a quarter.
+HEIGHT, WIDTH = 96, 320
 #: The activation map has the input's size divided by this.
 STRIDE = 2
 #: Grey values 0..1 are normalised inside the network.
@@ -61,20 +61,16 @@ class DSFeat(nn.Module):
     `activation` gives the sigmoid of it, which is what the exported model returns.
     """
 
-    def __init__(self, widths: tuple[int, int, int] = (16, 32, 96), dilations: tuple[int, ...] = (1, 4, 1, 4, 1, 4)):
+    def __init__(self, widths: tuple[int, int, int] = (8, 24, 64), dilations: tuple[int, ...] = (1, 2, 1, 4, 1, 4)):
         super().__init__()
         half, quarter, eighth = widths
-        self.stem = nn.Sequential(
-            nn.Conv2d(1, half, 3, 2, 1, bias=False), nn.BatchNorm2d(half), nn.ReLU(), Separable(half, half)
-        )
-        self.down_quarter = nn.Sequential(
-            Separable(half, quarter, stride=2), Separable(quarter, quarter), Separable(quarter, quarter)
-        )
+        self.stem = nn.Sequential(nn.Conv2d(1, half, 3, 2, 1, bias=False), nn.BatchNorm2d(half), nn.ReLU())
+        self.down_quarter = nn.Sequential(Separable(half, quarter, stride=2), Separable(quarter, quarter))
         self.down_eighth = nn.Sequential(
             Separable(quarter, eighth, stride=2), *[Separable(eighth, eighth, dilation=d) for d in dilations]
         )
-        self.up_quarter = Up(eighth, quarter, quarter, depth=2)
-        self.up_half = Up(quarter, half, half, depth=1)
+        self.up_quarter = Up(eighth, quarter, quarter, depth=1)
+        self.up_half = Up(quarter, half, half, depth=0)
         self.head = nn.Conv2d(half, 1, 3, 1, 1)
 
     def forward(self, image: torch.Tensor) -> torch.Tensor:

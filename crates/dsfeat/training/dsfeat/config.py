@@ -1,0 +1,66 @@
+"""Settings of one training run, read from a JSON file; unknown keys are refused."""
+
+import json
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+
+
+@dataclass
+class Config:
+    """All that determines a run besides the data. Defaults are the paper's where it gives a value."""
+
+    #: Use the matching loss (eq. 2 to 7); without it the run is the semantic-only baseline.
+    hybrid: bool = False
+    seed: int = 1
+    epochs: int = 50
+    #: Optimisation steps of one epoch (an epoch is a fixed number of samples, not one pass over the data).
+    steps: int = 25
+    #: Labelled images per step.
+    batch: int = 12
+    rate: float = 1e-3
+    #: The rate is multiplied by 0.1 after these epochs.
+    milestones: list[int] = field(default_factory=lambda: [20, 30, 40])
+    #: The semantic loss has weight `decay ** epoch`, the matching loss the rest.
+    decay: float = 0.9
+    #: The semantic loss keeps at least this weight: it is the only one that sees labelled photographs.
+    floor: float = 0.0
+    #: Weight of dynamic pixels in the semantic loss (static pixels have 1).
+    dynamic_weight: float = 2.0
+    #: Hybrid only: labelled images, triplets and frames with maps refined by motion per step.
+    hybrid_batch: int = 6
+    triplets: int = 1
+    motion_frames: int = 4
+    #: Margins of the triplet loss for the dense and the sparse distance.
+    margin_dense: float = 0.2
+    margin_sparse: float = 0.3
+    #: Weights of moved pixels and of pixels on standing vehicles in the motion loss (others have 1).
+    moved_weight: float = 4.0
+    standing_weight: float = 3.0
+    #: Weights of dense triplet loss, sparse triplet loss and motion loss within the matching loss.
+    weight_dense: float = 0.25
+    weight_sparse: float = 0.25
+    weight_motion: float = 1.0
+    #: Rendered towns of the semantic stage, by their names in the cache.
+    towns: list[str] = field(default_factory=lambda: ["town_busy_201", "town_crossing_202"])
+    #: Share of each data set in a batch of labelled images.
+    mix: dict[str, float] = field(
+        default_factory=lambda: {
+            "cityscapes_train": 0.4, "idd_train": 0.25, "camvid_train": 0.1, "kitti_train": 0.1, "town": 0.15,
+        }
+    )
+
+    def write(self, path: Path) -> None:
+        """Writes all settings in force."""
+        path.write_text(json.dumps(asdict(self), indent=1) + "\n")
+
+
+def read(path: Path) -> Config:
+    """Reads a JSON file of some of the settings.
+
+    Raises SystemExit naming the unknown keys.
+    """
+    values = json.loads(path.read_text())
+    unknown = sorted(set(values) - {f.name for f in fields(Config)})
+    if unknown:
+        raise SystemExit(f"{path}: unknown keys {', '.join(unknown)}")
+    return Config(**values)

@@ -1,0 +1,78 @@
+"""The network, a step's determinism, resuming, configuration files."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from dsfeat import config as configuration
+from dsfeat.network import HEIGHT, WIDTH, DSFeat, multiply_adds
+from dsfeat.data import Scenes
+from dsfeat.train import Labelled, step_losses
+from dsfeat.triplets import Matching
+
+
+def scenes() -> Scenes:
+    rng = np.random.default_rng(1)
+    images = rng.integers(0, 256, (4, 96, 320), dtype=np.uint8)
+    maps = rng.integers(0, 3, images.shape, dtype=np.uint8)
+    return Scenes("noise", images, maps, maps, WIDTH / HEIGHT)
+
+
+def matching() -> Matching:
+    rng = np.random.default_rng(2)
+    triplets = {
+        "images": rng.integers(0, 256, (3, HEIGHT, WIDTH), dtype=np.uint8),
+        "descriptors": rng.standard_normal((3, 12, 40, 64)).astype(np.float16),
+        "index": np.array([[0, 1, 2]]), "source": np.array([0]),
+        "points": rng.uniform(-1, 1, (1, 2, 16, 4)).astype(np.float32),
+        "errors": rng.uniform(-0.2, 1, (1, 2, 16)).astype(np.float32),
+    }
+    maps = np.stack([np.full((HEIGHT, WIDTH), v, np.uint8) for v in (0, 1, 3)])
+    frames = {"images": triplets["images"], "maps": maps}
+    return Matching(triplets, frames)
+
+
+def one_step() -> dict[str, torch.Tensor]:
+    """Parameters after one hybrid step from fixed seeds."""
+    torch.manual_seed(3)
+    settings = configuration.Config(hybrid=True, hybrid_batch=2, motion_frames=2)
+    network = DSFeat()
+    optimiser = torch.optim.Adam(network.parameters(), lr=1e-3)
+    labelled = Labelled({"a": [scenes()]}, {"a": 1.0})
+    total = step_losses(network, labelled, matching(), settings, 5, 0)[0]
+    total.backward()
+    optimiser.step()
+    return network.state_dict()
+
+
+def test_a_step_is_deterministic_and_changes_the_network():
+    one, two = one_step(), one_step()
+    assert all(torch.equal(one[k], two[k]) for k in one)
+    torch.manual_seed(3)
+    assert not torch.equal(one["head.weight"], DSFeat().state_dict()["head.weight"])
+
+
+def test_network_size():
+    network = DSFeat()
+    assert network(torch.rand(1, 1, HEIGHT, WIDTH)).shape == (1, 1, HEIGHT // 2, WIDTH // 2)
+    assert 2 * multiply_adds(network) < 0.3e9
+
+
+def test_mirrored_triplets_mirror_images_descriptors_and_points():
+    source = matching()
+    for seed in range(20):
+        batch = source.triplet_batch(np.random.default_rng(seed), 1)
+        mirrored = not np.array_equal(batch.images[0, 0], source.triplets["images"][0])
+        sign = -1.0 if mirrored else 1.0
+        assert np.allclose(batch.positive.points_1[0, :, 0], sign * source.triplets["points"][0, 0, :, 0])
+        assert np.allclose(batch.positive.points_1[0, :, 1], source.triplets["points"][0, 0, :, 1])
+        first = batch.descriptors[0, 0, :, 0, -1 if mirrored else 0]
+        assert np.allclose(first, source.triplets["descriptors"][0, 0, 0].astype(np.float32))
+
+
+def test_unknown_settings_are_named(tmp_path):
+    (tmp_path / "a.json").write_text(json.dumps({"epoch": 3}))
+    with pytest.raises(SystemExit, match="unknown keys epoch"):
+        configuration.read(tmp_path / "a.json")
