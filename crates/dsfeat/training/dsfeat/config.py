@@ -13,10 +13,11 @@ class Config:
     hybrid: bool = False
     seed: int = 1
     epochs: int = 50
-    #: Optimisation steps of one epoch (an epoch is a fixed number of samples, not one pass over the data).
-    steps: int = 25
+    #: Optimisation steps of one epoch before, between and after the milestones: an epoch is a fixed number of samples, not
+    #: one pass over the data, and the epochs of the small rates, which change little, are short.
+    steps: list[int] = field(default_factory=lambda: [80, 60, 20, 10])
     #: Labelled images per step.
-    batch: int = 12
+    batch: int = 6
     rate: float = 1e-3
     #: The rate is multiplied by 0.1 after these epochs.
     milestones: list[int] = field(default_factory=lambda: [20, 30, 40])
@@ -26,10 +27,11 @@ class Config:
     floor: float = 0.0
     #: Weight of dynamic pixels in the semantic loss (static pixels have 1).
     dynamic_weight: float = 2.0
-    #: Hybrid only: labelled images, triplets and frames with maps refined by motion per step.
-    hybrid_batch: int = 6
+    #: Hybrid only: labelled images and frames with maps refined by motion per step, triplets in every n-th step.
+    hybrid_batch: int = 4
+    motion_frames: int = 2
     triplets: int = 1
-    motion_frames: int = 4
+    triplet_every: int = 2
     #: Margins of the triplet loss for the dense and the sparse distance.
     margin_dense: float = 0.2
     margin_sparse: float = 0.3
@@ -49,6 +51,10 @@ class Config:
         }
     )
 
+    def steps_in(self, epoch: int) -> int:
+        """Optimisation steps of an epoch."""
+        return self.steps[sum(epoch >= m for m in self.milestones)]
+
     def write(self, path: Path) -> None:
         """Writes all settings in force."""
         path.write_text(json.dumps(asdict(self), indent=1) + "\n")
@@ -63,4 +69,7 @@ def read(path: Path) -> Config:
     unknown = sorted(set(values) - {f.name for f in fields(Config)})
     if unknown:
         raise SystemExit(f"{path}: unknown keys {', '.join(unknown)}")
-    return Config(**values)
+    config = Config(**values)
+    if len(config.steps) != len(config.milestones) + 1:
+        raise SystemExit(f"{path}: steps needs {len(config.milestones) + 1} numbers, one more than milestones")
+    return config

@@ -22,7 +22,7 @@ from .curves import plot
 from .data import Scenes, add_folders, load, need
 from .evaluate import quick
 from .network import DSFeat
-from .triplets import Matching
+from .triplets import Matching, TripletBatch
 
 COLUMNS = ["epoch", "rate", "weight_semantic", "loss", "semantic", "dense", "sparse", "motion", "seconds"]
 
@@ -57,19 +57,8 @@ class Labelled:
         return torch.from_numpy(np.stack(images))[:, None], torch.from_numpy(np.stack(maps))
 
 
-def matching_loss(network: DSFeat, matching: Matching, config: Config, key: tuple[int, ...], extra: torch.Tensor):
-    """Matching loss of one step and the logits of the labelled images `extra` [B, 1, 96, 320].
-
-    All images of the step pass the network together. Returns (logits of extra, dense, sparse, motion).
-    """
-    rng = np.random.default_rng(key)
-    batch = matching.triplet_batch(rng, config.triplets)
-    frames = matching.motion_batch(rng, config.motion_frames)
-    shown = np.stack([light(rng, image) for image in batch.images.reshape(-1, *batch.images.shape[2:])])
-    shown = torch.from_numpy(np.concatenate([shown, frames.images]))[:, None]
-    logits = network(torch.cat([extra, shown]).contiguous(memory_format=torch.channels_last))
-    ours, theirs, last = torch.split(logits, [len(extra), 3 * config.triplets, len(frames.images)])
-    maps = torch.sigmoid(theirs).reshape(config.triplets, 3, 1, *theirs.shape[2:])
+def triplet_losses(maps: torch.Tensor, batch: TripletBatch, config: Config) -> tuple[torch.Tensor, torch.Tensor]:
+    """Dense and sparse triplet loss (eq. 2 with eq. 3 and with eq. 4); `maps` are the activations [B, 3, 1, 48, 160]."""
     q, p, n = maps[:, 0], maps[:, 1], maps[:, 2]
     d = torch.from_numpy(batch.descriptors)
     dense = losses.triplet(
@@ -81,8 +70,29 @@ def matching_loss(network: DSFeat, matching: Matching, config: Config, key: tupl
         losses.sparse_distance(q, neg.points_1, n, neg.points_2, neg.errors, neg.valid),
         config.margin_sparse,
     )
-    moving = losses.motion(last, frames.maps, config.moved_weight, config.standing_weight)
-    return ours, dense, sparse, moving
+    return dense, sparse
+
+
+def matching_losses(network: DSFeat, matching: Matching, config: Config, key: tuple[int, ...], extra: torch.Tensor):
+    """Parts of the matching loss of one step, and the logits of the labelled images `extra` [B, 1, 96, 320].
+
+    All images of the step pass the network together. Returns (logits of extra, dense, sparse, motion).
+    """
+    rng = np.random.default_rng(key)
+    count = config.triplets if key[2] % config.triplet_every == 0 else 0
+    frames = matching.motion_batch(rng, config.motion_frames)
+    shown = [extra, torch.from_numpy(frames.images)[:, None]]
+    if count:
+        batch = matching.triplet_batch(rng, count)
+        images = np.stack([light(rng, image) for image in batch.images.reshape(-1, *batch.images.shape[2:])])
+        shown.append(torch.from_numpy(images)[:, None])
+    logits = network(torch.cat(shown).contiguous(memory_format=torch.channels_last))
+    ours, moving, theirs = torch.split(logits, [len(extra), config.motion_frames, 3 * count])
+    motion = losses.motion(moving, frames.maps, config.moved_weight, config.standing_weight)
+    if not count:
+        return ours, torch.zeros(()), torch.zeros(()), motion
+    maps = torch.sigmoid(theirs).reshape(count, 3, 1, *theirs.shape[2:])
+    return ours, *triplet_losses(maps, batch, config), motion
 
 
 def step_losses(network: DSFeat, labelled: Labelled, matching: Matching | None, config: Config, epoch: int, step: int):
@@ -94,7 +104,7 @@ def step_losses(network: DSFeat, labelled: Labelled, matching: Matching | None, 
         semantic = losses.semantic(logits, maps, config.dynamic_weight)
         return semantic, semantic, zero, zero, zero
     images, maps = labelled.batch((config.seed, epoch, step, 0), config.hybrid_batch)
-    logits, dense, sparse, moving = matching_loss(network, matching, config, (config.seed, epoch, step, 1), images)
+    logits, dense, sparse, moving = matching_losses(network, matching, config, (config.seed, epoch, step, 1), images)
     semantic = losses.semantic(logits, maps, config.dynamic_weight)
     total = config.weight_dense * dense + config.weight_sparse * sparse + config.weight_motion * moving
     weight = losses.semantic_weight(epoch, config.decay, config.floor)
@@ -105,13 +115,14 @@ def train_epoch(network: DSFeat, optimiser, labelled: Labelled, matching, config
     """Runs one epoch; mean of (total, semantic, dense, sparse, motion) over its steps."""
     network.train()
     sums = np.zeros(5)
-    for step in range(config.steps):
+    steps = config.steps_in(epoch)
+    for step in range(steps):
         found = step_losses(network, labelled, matching, config, epoch, step)
         optimiser.zero_grad(set_to_none=True)
         found[0].backward()
         optimiser.step()
         sums += [float(x.detach()) for x in found]
-    return sums / config.steps
+    return sums / steps
 
 
 def save(path: Path, value: dict) -> None:
