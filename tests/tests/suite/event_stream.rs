@@ -213,6 +213,6 @@ fn a_stream_is_bounded() {
     assert!(report.n_bytes < 150_000 && report.left_out > 0, "{report:?}");
     let records = records(&bytes);
     assert!(matches!(records.last(), Some(Record::End(_))));
-    let full = |r: &&Record| matches!(r, Record::Text(t) if t.text.starts_with("the event stream is"));
-    assert_eq!(records.iter().filter(full).count(), 2, "it says so");
+    let full = |r: &Record| matches!(r, Record::Text(t) if t.text.starts_with("the event stream is full"));
+    assert!(records.iter().any(full), "it says so");
 }
