@@ -1,6 +1,6 @@
 //! Frames of a video or a camera as a run takes them: one after another, from a stream.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use geometry::GrayImage;
@@ -63,7 +63,7 @@ impl VideoFeed {
 
 impl State {
     /// Begins with the first frame again, as a calibration pass makes necessary.
-    fn restart(&mut self, path: &PathBuf) {
+    fn restart(&mut self, path: &Path) {
         match Stream::open(path) {
             Ok(stream) => {
                 (self.stream, self.held, self.n_read, self.has_ended) = (stream, None, 0, false);

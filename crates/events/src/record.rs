@@ -178,7 +178,7 @@ pub enum FeatureState {
 pub struct Features {
     /// Number of the frame.
     pub frame: u32,
-    /// Undistorted pixels of the full image.
+    /// Pixels of the full image.
     pub pixels: Vec<[f32; 2]>,
     /// What tracking made of each.
     pub states: Vec<FeatureState>,

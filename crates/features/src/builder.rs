@@ -1,6 +1,6 @@
 //! From images to a [`Frame`]: extraction, undistortion, depth of the features.
 
-use crate::activation::ActivationSource;
+use crate::activation::{ActivationMap, ActivationSource};
 use crate::depth::DepthConfig;
 use crate::extractor::Extractor;
 use crate::frame::{Frame, Rig};
@@ -22,7 +22,23 @@ pub struct FrameBuilder {
     matcher: StereoMatcher,
     depth: DepthConfig,
     disparity_offset_px: f32,
-    selection: Option<(SelectionConfig, Box<dyn ActivationSource>)>,
+    selection: Option<(SelectionConfig, Kept)>,
+}
+
+/// A source whose last map can be kept.
+#[derive(Debug)]
+struct Kept {
+    source: Box<dyn ActivationSource>,
+    is_wanted: bool,
+    last: Option<ActivationMap>,
+}
+
+impl ActivationSource for Kept {
+    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String> {
+        let map = self.source.activation(image)?;
+        self.last = self.is_wanted.then(|| map.clone());
+        Ok(map)
+    }
 }
 
 /// Features and how far each is trusted.
@@ -48,8 +64,20 @@ impl FrameBuilder {
     /// of the extractor's settings is that of the candidates.
     #[must_use]
     pub fn with_selection(mut self, config: SelectionConfig, source: Box<dyn ActivationSource>) -> Self {
-        self.selection = Some((config, source));
+        self.selection = Some((config, Kept { source, is_wanted: false, last: None }));
         self
+    }
+
+    /// Keeps from now on the activation map of each frame for [`FrameBuilder::take_activation_map`].
+    pub fn keep_activation_maps(&mut self) {
+        if let Some((_, kept)) = &mut self.selection {
+            kept.is_wanted = true;
+        }
+    }
+
+    /// The activation map of the last frame's (left) image; `None` without a selection, or if it was not to be kept.
+    pub fn take_activation_map(&mut self) -> Option<ActivationMap> {
+        self.selection.as_mut()?.1.last.take()
     }
 
     /// Adds `offset_px` to every disparity from now on: a correction of the stereo calibration, pixels of level 0.
@@ -160,11 +188,11 @@ impl FrameBuilder {
 /// The features of an image, selected if there is a selection; without one each has the activation 1.
 fn extract(
     extractor: &mut Extractor,
-    selection: &mut Option<(SelectionConfig, Box<dyn ActivationSource>)>,
+    selection: &mut Option<(SelectionConfig, Kept)>,
     image: &GrayImage,
 ) -> Result<Trusted, String> {
     match selection {
-        Some((config, source)) => extractor.extract_selected(image, config, source.as_mut()),
+        Some((config, source)) => extractor.extract_selected(image, config, source),
         None => {
             let features = extractor.extract(image);
             let activation = vec![1.0; features.keypoints.len()];

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use features::Frame;
+use features::{ActivationMap, Frame};
 use geometry::{GrayImage, SE3};
 use map::{PointId, RelativePose};
 use slam::{TrackStats, Tracked};
@@ -10,6 +10,15 @@ use slam::{TrackStats, Tracked};
 use crate::feed::FrameInfo;
 use crate::record::FrameStatus;
 use crate::view::View;
+
+/// What the features of a frame were found in.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// The left image.
+    pub image: Arc<GrayImage>,
+    /// Its activation map, if a network selects features.
+    pub activation: Option<Arc<ActivationMap>>,
+}
 
 /// A frame after tracking; shares what the run has.
 #[derive(Clone, Debug)]
@@ -20,8 +29,8 @@ pub struct FrameDetails {
     pub status: FrameStatus,
     /// Its features.
     pub frame: Arc<Frame>,
-    /// Its left image, as the features were found in it.
-    pub image: Option<Arc<GrayImage>>,
+    /// What they were found in.
+    pub seen: Option<Seen>,
     /// The pose relative to a keyframe of the map as it was then, of a lost frame the last one known; `None` for a frame that
     /// starts a map.
     pub pose: Option<RelativePose>,
@@ -46,7 +55,7 @@ impl FrameDetails {
     pub(crate) fn new(
         info: FrameInfo,
         status: FrameStatus,
-        (frame, image): (Arc<Frame>, Option<Arc<GrayImage>>),
+        (frame, seen): (Arc<Frame>, Option<Seen>),
         tracked: &mut Tracked,
         view: &View,
         stages: Vec<(&'static str, f64)>,
@@ -58,7 +67,7 @@ impl FrameDetails {
             info,
             status,
             frame,
-            image,
+            seen,
             pose,
             scale: pose.map_or(1.0, |pose| map.scale_of(pose.keyframe)),
             world_from_cam: cam_from_world.normalized().inverse(),

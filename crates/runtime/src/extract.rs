@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use features::{Frame, FrameBuilder};
-use geometry::GrayImage;
 use io::LoadedFrame;
 
+use crate::details::Seen;
 use crate::feed::FrameInfo;
 use crate::fetch::Fetched;
 use crate::job::Job;
@@ -18,8 +18,8 @@ pub(crate) struct Extracted {
     pub(crate) n: usize,
     pub(crate) info: FrameInfo,
     pub(crate) frame: Result<Arc<Frame>, String>,
-    /// The left image, if an observer wants details.
-    pub(crate) image: Option<Arc<GrayImage>>,
+    /// What the features were found in, if an observer wants details.
+    pub(crate) seen: Option<Seen>,
     pub(crate) watch: Stopwatch,
 }
 
@@ -34,8 +34,11 @@ pub(crate) struct ExtractStage<'a> {
 
 impl<'a> ExtractStage<'a> {
     pub(crate) fn new(job: &Job<'a>) -> Self {
-        let setup = job.setup;
-        ExtractStage { setup, builder: setup.frame_builder(job.disparity_offset_px), details: job.details }
+        let mut builder = job.setup.frame_builder(job.disparity_offset_px);
+        if let (true, Ok(builder)) = (job.details, &mut builder) {
+            builder.keep_activation_maps();
+        }
+        ExtractStage { setup: job.setup, builder, details: job.details }
     }
 
     /// Makes a frame of images.
@@ -43,14 +46,17 @@ impl<'a> ExtractStage<'a> {
         let Fetched { n, info, images, decode_ms } = fetched;
         let mut watch = Stopwatch::new(info.index);
         watch.add("decode", decode_ms);
-        let mut image = None;
+        let mut seen = None;
         let frame = images.and_then(|images| usable(images, self.setup)).and_then(|images| {
             let builder = self.builder.as_mut().map_err(|reason| reason.clone())?;
             let frame = watch.time("extract", |_| build(builder, self.setup.sensor, info, &images))?;
-            image = self.details.then(|| Arc::new(images.left));
+            seen = self.details.then(|| Seen {
+                image: Arc::new(images.left),
+                activation: builder.take_activation_map().map(Arc::new),
+            });
             Ok(Arc::new(frame))
         });
-        Extracted { n, info, frame, image, watch }
+        Extracted { n, info, frame, seen, watch }
     }
 }
 

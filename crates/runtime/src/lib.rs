@@ -47,7 +47,7 @@ mod timings;
 mod track;
 mod view;
 
-pub use details::FrameDetails;
+pub use details::{FrameDetails, Seen};
 pub use events::{Event, Observer, Silent};
 pub use failure::StageFailure;
 pub use faults::Faults;

@@ -145,6 +145,7 @@ impl<'scope> Stages<'scope> {
 }
 
 /// The threads in front of tracking. A realtime run has room for one decoded frame only, which a newer one replaces.
+#[allow(clippy::type_complexity, reason = "three things, used once")]
 fn start_source<'scope, 'env>(
     scope: &'scope Scope<'scope, 'env>,
     job: &'env Job<'env>,

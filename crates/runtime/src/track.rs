@@ -70,7 +70,7 @@ impl TrackStage {
         log: &mut TrackLog,
         emit: &mut dyn FnMut(Event),
     ) -> Result<Option<Message>, E> {
-        let Extracted { n, info, frame, image, mut watch } = extracted;
+        let Extracted { n, info, frame, seen: looked_at, mut watch } = extracted;
         let frame = match frame {
             Ok(frame) => frame,
             Err(reason) => {
@@ -89,8 +89,9 @@ impl TrackStage {
         log.map_size = (map.n_keyframes(), map.n_points());
         let (status, timings) = (status_of(&tracked), watch.finish());
         if self.details {
-            let (seen, stages) = ((frame, image), timings.stages.clone());
-            let details = FrameDetails::new(info, status.clone(), seen, &mut tracked, &view, stages);
+            let stages = timings.stages.clone();
+            let details =
+                FrameDetails::new(info, status.clone(), (frame, looked_at), &mut tracked, &view, stages);
             emit(Event::Details(Arc::new(details)));
         }
         log.frames.push(TrackedFrame {

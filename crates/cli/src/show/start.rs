@@ -12,8 +12,7 @@ use crate::trajectories::of_left_camera;
 
 /// The start of a job's stream.
 pub(super) fn of_job(job: &Job<'_>) -> Start {
-    let frames = frames(job);
-    let truth = truth_of(&frames, job.ground_truth, &job.body_from_left);
+    let truth = truth(job);
     let (rig, camera) = (&job.setup.rig, &job.setup.rig.stereo.camera);
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     Start {
@@ -25,7 +24,7 @@ pub(super) fn of_job(job: &Job<'_>) -> Start {
             center: [camera.cx, camera.cy],
             size: [size(rig.width), size(rig.height)],
         },
-        n_frames: size(frames.len()),
+        n_frames: size(job.feed.len()),
         truth: truth.iter().map(|(frame, pose)| position(*frame, pose)).collect(),
     }
 }
@@ -37,22 +36,19 @@ pub(super) fn position(frame: u32, pose: &StampedPose) -> TruePosition {
 
 /// True poses of the left camera at a job's frames, with the frames' times.
 pub(crate) fn true_poses(job: &Job<'_>) -> Trajectory {
-    let poses = truth_of(&frames(job), job.ground_truth, &job.body_from_left);
-    Trajectory { poses: poses.into_iter().map(|(_, pose)| pose).collect() }
+    Trajectory { poses: truth(job).into_iter().map(|(_, pose)| pose).collect() }
 }
 
-/// Number and time of a job's frames.
-fn frames(job: &Job<'_>) -> Vec<(u32, f64)> {
-    (0..job.feed.len()).map(|i| job.feed.info(i)).map(|info| (info.index, info.timestamp_s)).collect()
+/// True poses of the left camera at a job's frames. Feeds whose length is not known have no ground truth.
+fn truth(job: &Job<'_>) -> Vec<(u32, StampedPose)> {
+    let Some(body) = job.ground_truth else { return Vec::new() };
+    let info = (0..job.feed.len()).map(|i| job.feed.info(i));
+    let frames: Vec<(u32, f64)> = info.map(|info| (info.index, info.timestamp_s)).collect();
+    truth_of(&frames, body, &job.body_from_left)
 }
 
 /// True poses of the left camera at frames, given as number and time: of each the pose nearest in time.
-fn truth_of(
-    frames: &[(u32, f64)],
-    body: Option<&Trajectory>,
-    body_from_left: &SE3,
-) -> Vec<(u32, StampedPose)> {
-    let Some(body) = body else { return Vec::new() };
+fn truth_of(frames: &[(u32, f64)], body: &Trajectory, body_from_left: &SE3) -> Vec<(u32, StampedPose)> {
     let left = if *body_from_left == SE3::identity() {
         Cow::Borrowed(body)
     } else {
@@ -64,7 +60,7 @@ fn truth_of(
         let gap = |t: f64| (t - time).abs();
         let best = around.iter().min_by(|a, b| gap(a.timestamp_s).total_cmp(&gap(b.timestamp_s)))?;
         let is_near = gap(best.timestamp_s) <= TIMESTAMP_TOLERANCE_S;
-        is_near.then(|| (frame, StampedPose { timestamp_s: time, world_from_cam: best.world_from_cam }))
+        is_near.then_some((frame, StampedPose { timestamp_s: time, world_from_cam: best.world_from_cam }))
     };
     frames.iter().filter_map(nearest).collect()
 }
@@ -83,12 +79,13 @@ mod tests {
         let body = Trajectory { poses: vec![at(1.0, 10.0), at(1.005, 20.0), at(2.0, 30.0)] };
         let body_from_left = SE3::new(SO3::identity(), Vec3::new(0.0, 1.0, 0.0));
         let frames = [(4, 0.5), (5, 1.001), (6, 1.004), (7, 2.0), (8, 3.0)];
-        let found = truth_of(&frames, Some(&body), &body_from_left);
+        let found = truth_of(&frames, &body, &body_from_left);
         let expected = [(5, 10.0), (6, 20.0), (7, 30.0)];
         assert_eq!(found.len(), expected.len(), "{found:?}");
         for (found, (frame, x)) in found.iter().zip(expected) {
             assert_eq!((found.0, found.1.world_from_cam.translation), (frame, Vec3::new(x, 1.0, 0.0)));
         }
-        assert!(truth_of(&frames, None, &body_from_left).is_empty());
+        let none = Trajectory { poses: Vec::new() };
+        assert!(truth_of(&frames, &none, &body_from_left).is_empty());
     }
 }

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use events::{
-    Counts, End, FeatureState, Features, FinalPose, FramePose, FrameRecord, FrameState, Image, Pose,
-    StageTime,
+    ActivationMap, Counts, End, FeatureState, Features, FinalPose, FramePose, FrameRecord, FrameState, Image,
+    Pose, StageTime,
 };
-use geometry::SE3;
+use features::{Frame, Keypoint};
+use geometry::{SE3, Vec2, Vec3};
 use io::Preview;
 
 use crate::details::FrameDetails;
@@ -86,15 +87,46 @@ pub(super) fn features(details: &FrameDetails) -> Features {
     }
     Features {
         frame: details.info.index,
-        pixels: frame.keypoints.iter().map(|keypoint| [keypoint.x, keypoint.y]).collect(),
+        pixels: pixels(frame),
         states,
-        activations: frame.activation.iter().map(|a| (a.clamp(0.0, 1.0) * 255.0).round() as u8).collect(),
+        activations: frame.activation.iter().map(|a| quantised(*a)).collect(),
     }
 }
 
 /// An image, made smaller.
 pub(super) fn image(frame: u32, preview: Preview) -> Image {
     Image { frame, size: [count(preview.width), count(preview.height)], jpeg: preview.jpeg }
+}
+
+/// An activation map.
+pub(super) fn activation(frame: u32, map: &features::ActivationMap) -> ActivationMap {
+    let values = map.values();
+    ActivationMap {
+        frame,
+        size: [count(values.width), count(values.height)],
+        values: values.data.iter().map(|value| quantised(*value)).collect(),
+    }
+}
+
+/// A share of 0 to 1 as 0 to 255.
+fn quantised(share: f32) -> u8 {
+    (share.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// Where each feature is in the image: lens distortion, which frames are free of, put back.
+fn pixels(frame: &Frame) -> Vec<[f32; 2]> {
+    let rig = &frame.rig;
+    let camera = &rig.stereo.camera;
+    let shown = |keypoint: &Keypoint| {
+        if rig.distortion.is_zero() {
+            return [keypoint.x, keypoint.y];
+        }
+        let ray = camera.unproject(&Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y)));
+        let lens = rig.distortion.distort(&Vec2::new(ray.x, ray.y));
+        let pixel = camera.project(&Vec3::new(lens.x, lens.y, 1.0));
+        [pixel.x as f32, pixel.y as f32]
+    };
+    frame.keypoints.iter().map(shown).collect()
 }
 
 /// The end of a run.

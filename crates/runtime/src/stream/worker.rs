@@ -55,11 +55,11 @@ impl Write for Counting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Room {
     /// Everything.
-    ForAll,
+    All,
     /// No images and features.
-    ForTheMap,
+    MapAndPoses,
     /// Poses and texts.
-    ForPoses,
+    Poses,
 }
 
 /// The writer.
@@ -78,7 +78,7 @@ impl Worker {
             options,
             stream: None,
             tracker: DeltaTracker::new(DeltaOptions::default()),
-            room: Room::ForAll,
+            room: Room::All,
             report: StreamReport::default(),
         };
         match StreamWriter::new(target) {
@@ -108,20 +108,24 @@ impl Worker {
         if !details.info.index.is_multiple_of(self.options.image_every.max(1)) {
             return;
         }
-        if self.room > Room::ForAll {
+        if self.room > Room::All {
             self.report.left_out += 1;
             return;
         }
-        if let Some(image) = &details.image
-            && let Some(preview) = io::preview(image, self.options.image_width)
-        {
-            self.write(&Record::Image(records::image(details.info.index, preview)));
+        let index = details.info.index;
+        if let Some(seen) = &details.seen {
+            if let Some(preview) = io::preview(&seen.image, self.options.image_width) {
+                self.write(&Record::Image(records::image(index, preview)));
+            }
+            if let Some(map) = &seen.activation {
+                self.write(&Record::Activation(records::activation(index, map)));
+            }
         }
         self.write(&Record::Features(records::features(details)));
     }
 
     fn write_map(&mut self, world: &World, frame: u32, is_last: bool) {
-        if self.room > Room::ForTheMap {
+        if self.room > Room::MapAndPoses {
             self.report.left_out += 1;
             return;
         }
@@ -151,8 +155,8 @@ impl Worker {
     fn look_at_room(&mut self) {
         let (n, max) = (self.report.n_bytes, self.options.max_bytes);
         let (room, text) = match () {
-            () if n >= max => (Room::ForPoses, "the event stream is full: no more changes of the map"),
-            () if n >= max / 4 * 3 => (Room::ForTheMap, "the event stream is almost full: no more images"),
+            () if n >= max => (Room::Poses, "the event stream is full: no more changes of the map"),
+            () if n >= max / 4 * 3 => (Room::MapAndPoses, "the event stream is almost full: no more images"),
             () => return,
         };
         if room > self.room {
