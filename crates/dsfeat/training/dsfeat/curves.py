@@ -24,7 +24,7 @@ def plot(rows: list[dict], path: Path, title: str) -> None:
         points = [(row["epoch"], row[name]) for row in rows if name in row]
         style = "--" if name.startswith("town") else "-"
         right.plot(*zip(*points), style, label=name.replace("_parked_moving", " parked/moving").replace(":auc", ""))
-    right.set(xlabel="epoch", ylabel="pixel AUC", title="16 frames of each validation set", ylim=(0.4, 1.0))
+    right.set(xlabel="epoch", ylabel="pixel AUC", title="16 frames of each validation set", ylim=(0.0, 1.0))
     right.legend(fontsize="small", loc="lower right")
     figure.savefig(path, dpi=80)
     plt.close(figure)
