@@ -105,7 +105,7 @@ impl Source {
             frame_rate_hz: config.camera.fps,
         };
         let path = args.sequence.as_path();
-        if path.is_file() || video::is_camera(path) {
+        if video::is_video(path) || video::is_camera(path) {
             return Ok(Self::Video(Box::new(Opened::new(path, &options).or_input()?)));
         }
         Ok(Self::Folder(Box::new(open_sequence_with(path, &options).or_input()?)))

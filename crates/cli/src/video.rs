@@ -13,6 +13,9 @@ const HELPER: &str = "dsslam-video";
 /// What is taken where it is missing.
 const FFMPEG: &str = "ffmpeg";
 
+/// Endings of the names of videos.
+const ENDINGS: [&str; 11] = ["y4m", "mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "ts", "wmv"];
+
 /// A stream of frames, and the program that writes it.
 pub(crate) struct Stream {
     /// Takes the frames.
@@ -30,6 +33,12 @@ pub(crate) struct Opened {
     pub(crate) stream: Stream,
     /// Frames per second, for frames that do not tell their time.
     pub(crate) frame_rate_hz: f64,
+}
+
+/// Whether a path is that of a file whose name ends as those of videos do.
+pub(crate) fn is_video(path: &Path) -> bool {
+    let ending = path.extension().map(|extension| extension.to_ascii_lowercase());
+    path.is_file() && ending.is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
 }
 
 /// Whether a path is that of a device such as `/dev/video0`.

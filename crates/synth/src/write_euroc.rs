@@ -4,14 +4,13 @@ use crate::lens::{Lens, LensCamera};
 use crate::world::{FRAME_RATE_HZ, World};
 use crate::write::{Continue, Progress, WriteError, write_text};
 use geometry::{CameraModel, Distortion, KannalaBrandt, SE3, SO3, Vec3};
-use std::fmt::Write as _;
+use io::{StampedPose, Trajectory};
 use std::path::Path;
 
 /// Time of the first frame, nanoseconds since 1970.
 const START_NS: u64 = 1_400_000_000_000_000_000;
 
 /// Pose of the drive's left camera in the body: the body's x points forward, y to the left, z up.
-#[must_use]
 fn body_from_rig() -> SE3 {
     let axes = geometry::Mat3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
     SE3::new(SO3::from_matrix(&axes), Vec3::new(0.12, 0.25, -0.04))
@@ -58,7 +57,7 @@ pub fn write_euroc(
     for folder in &folders {
         write_text(&folder.join("data.csv"), &image_list(done))?;
     }
-    write_text(&truth.join("data.csv"), &poses(world, done))?;
+    io::write_euroc(&truth.join("data.csv"), &poses(world, done))?;
     Ok(done)
 }
 
@@ -72,33 +71,14 @@ fn image_list(n: usize) -> String {
     format!("#timestamp [ns],filename\n{}", rows.concat())
 }
 
-/// Position, quaternion (w first) and, as zeros, velocity and biases.
-fn poses(world: &World, n: usize) -> String {
-    let mut text = String::from(
-        "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v, b_w, b_a\n",
-    );
+/// Poses of the body.
+fn poses(world: &World, n: usize) -> Trajectory {
     let rig_from_body = body_from_rig().inverse();
-    for i in 0..n {
-        let world_from_body = world.world_from_cam(i) * rig_from_body;
-        let [p, q] =
-            [world_from_body.translation.as_slice(), &quaternion(&world_from_body.rotation)].map(joined);
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{},{p},{q},0,0,0,0,0,0,0,0,0", stamp(i));
-    }
-    text
-}
-
-/// w, x, y, z of a rotation (Shepperd's method through the rotation vector).
-fn quaternion(rotation: &SO3) -> [f64; 4] {
-    let vector = rotation.log();
-    let half = vector.norm() / 2.0;
-    // sin(a/2) / a goes to 1/2.
-    let factor = if half > 1e-9 { half.sin() / (2.0 * half) } else { 0.5 };
-    [half.cos(), factor * vector.x, factor * vector.y, factor * vector.z]
-}
-
-fn joined(values: &[f64]) -> String {
-    values.iter().map(|v| format!("{v:.12}")).collect::<Vec<_>>().join(",")
+    let pose = |i: usize| StampedPose {
+        timestamp_s: stamp(i) as f64 / 1e9,
+        world_from_cam: world.world_from_cam(i) * rig_from_body,
+    };
+    Trajectory { poses: (0..n).map(pose).collect() }
 }
 
 fn sensor_yaml(camera: &LensCamera) -> String {
@@ -124,23 +104,4 @@ fn sensor_yaml(camera: &LensCamera) -> String {
         pinhole.cx,
         pinhole.cy
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quaternions_turn_as_their_rotation_does() {
-        for vector in [Vec3::zeros(), Vec3::new(0.3, -0.2, 2.5), Vec3::new(1e-12, 0.0, 0.0)] {
-            let rotation = SO3::exp(&vector);
-            let [w, x, y, z] = quaternion(&rotation);
-            let q = geometry::Vec4::new(w, x, y, z);
-            assert!((q.norm() - 1.0).abs() < 1e-12);
-            // The first column of the rotation matrix.
-            let column =
-                Vec3::new(w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z), 2.0 * (x * z - w * y));
-            assert!((rotation.matrix() * Vec3::x() - column).norm() < 1e-12);
-        }
-    }
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use features::{ExtractorConfig, Rig};
 use geometry::GrayImage;
 use io::{Config, LoadedFrame, OpenOptions, Sensor, Sequence};
-use runtime::{FrameFeed, SequenceFeed, Setup};
+use runtime::{FrameFeed, Preparation, SequenceFeed, Setup};
 
 use crate::setup;
 
@@ -33,6 +33,8 @@ pub(super) struct Picture {
 /// A sequence of which frames are taken.
 pub(super) struct Frames {
     sequence: Sequence,
+    /// `input.scale`.
+    scale: f64,
     /// Camera and parameters, or why there are none.
     pub(super) setup: Result<Setup>,
 }
@@ -75,7 +77,7 @@ impl Frames {
         }
         let setup = setup::image_size(&sequence, &config)
             .and_then(|size| setup::from_config(&config, sequence.sensor, size, dir));
-        Ok(Self { sequence, setup })
+        Ok(Self { sequence, scale: config.input.scale, setup })
     }
 
     /// The camera; `None` where neither the sequence nor the configuration gives it.
@@ -94,7 +96,8 @@ impl Frames {
                 format!("{}: found no frame {number}, it has frames {first} to {last}", self.sequence.name)
             })?,
         };
-        let feed = SequenceFeed::new(&self.sequence, None);
+        let preparation = Preparation::new(&self.sequence, self.scale);
+        let feed = SequenceFeed::prepared(&self.sequence, preparation, None);
         let frame = feed.load(position).map_err(|reason| anyhow!(reason))?;
         Ok((position, frame))
     }
