@@ -112,7 +112,7 @@ impl Show<'_> {
         let [cx, cy] = camera.center.map(|c| c as f32);
         let columns = [[fx * sx, 0.0, 0.0], [0.0, fy * sy, 0.0], [cx * sx, cy * sy, 1.0]];
         let pinhole = Pinhole::new(columns).with_resolution([size[0] as f32, size[1] as f32]);
-        self.to.log_static(layout::IMAGE, &pinhole.with_image_plane_distance(1.5))
+        self.to.log_static(layout::IMAGE, &pinhole.with_image_plane_distance(1.5_f32))
     }
 
     fn frame(&mut self, frame: &FrameRecord) -> RecordingStreamResult<()> {
@@ -181,7 +181,7 @@ impl Show<'_> {
         }
         self.at(image.frame);
         let encoded = EncodedImage::from_file_contents(image.jpeg.clone());
-        self.to.log(layout::IMAGE, &encoded.with_draw_order(-20.0))
+        self.to.log(layout::IMAGE, &encoded.with_draw_order(-20.0_f32))
     }
 
     /// The activation map in colours over the image, in the image's size.
@@ -201,7 +201,7 @@ impl Show<'_> {
                 [red, green, blue, OVERLAY_ALPHA]
             })
             .collect();
-        let overlay = rerun::Image::from_rgba32(pixels, [width, height]).with_draw_order(-10.0);
+        let overlay = rerun::Image::from_rgba32(pixels, [width, height]).with_draw_order(-10.0_f32);
         self.to.log(layout::ACTIVATION, &overlay)
     }
 
