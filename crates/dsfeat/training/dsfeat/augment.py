@@ -65,17 +65,6 @@ def light(rng: np.random.Generator, image: np.ndarray) -> np.ndarray:
     return np.clip(out, 0.0, 1.0)
 
 
-def repaint(rng: np.random.Generator, image: np.ndarray) -> np.ndarray:
-    """Changes the brightness of regions, so that a vehicle is not known by its paint: uint8 [H, W] -> uint8 [H, W].
-
-    A smooth random field of gains (half to double) is applied, and one image in six is inverted.
-    """
-    coarse = rng.uniform(-0.7, 0.7, (4, 10)).astype(np.float32)
-    gain = np.exp(cv2.resize(coarse, image.shape[::-1], interpolation=cv2.INTER_CUBIC))
-    out = 255.0 - image if rng.random() < 1 / 6 else image.astype(np.float32)
-    return np.clip(out * gain, 0.0, 255.0).astype(np.uint8)
-
-
 def sample(rng: np.random.Generator, image: np.ndarray, labels: np.ndarray, aspect: float) -> tuple[np.ndarray, np.ndarray]:
     """One training sample: image float32 [96, 320], stability map uint8 [48, 160]."""
     image, labels = warp(image, labels, window(rng, aspect), bool(rng.random() < 0.5))

@@ -32,8 +32,6 @@ class Config:
     motion_frames: int = 2
     triplets: int = 1
     triplet_every: int = 2
-    #: Change the brightness of regions in frames with refined maps, so that a vehicle is not known by its paint.
-    repaint: bool = False
     #: Margins of the triplet loss for the dense and the sparse distance.
     margin_dense: float = 0.2
     margin_sparse: float = 0.3

@@ -80,7 +80,7 @@ def matching_losses(network: DSFeat, matching: Matching, config: Config, key: tu
     """
     rng = np.random.default_rng(key)
     count = config.triplets if key[2] % config.triplet_every == 0 else 0
-    frames = matching.motion_batch(rng, config.motion_frames, config.repaint)
+    frames = matching.motion_batch(rng, config.motion_frames)
     shown = [extra, torch.from_numpy(frames.images)[:, None]]
     if count:
         batch = matching.triplet_batch(rng, count)

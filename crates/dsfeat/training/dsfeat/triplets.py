@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from .augment import repaint, sample
+from .augment import sample
 from .motion import MOVED
 
 #: Files that `dsfeat.prepare` writes into the cache.
@@ -97,11 +97,11 @@ class Matching:
         ]
         return TripletBatch(images, descriptors, *pairs)
 
-    def motion_batch(self, rng: np.random.Generator, size: int, painted: bool = False) -> MotionBatch:
+    def motion_batch(self, rng: np.random.Generator, size: int) -> MotionBatch:
         """`size` augmented frames with refined maps, with and without movers in turn."""
         groups = self.by_traffic
         rows = [(g := groups[i % len(groups)])[rng.integers(len(g))] for i in range(size)]
         images, maps = self.frames["images"], self.frames["maps"]
         aspect = images.shape[2] / images.shape[1]
-        found = [sample(rng, repaint(rng, images[i]) if painted else images[i], maps[i], aspect) for i in rows]
+        found = [sample(rng, images[i], maps[i], aspect) for i in rows]
         return MotionBatch(np.stack([x[0] for x in found]), torch.from_numpy(np.stack([x[1] for x in found])))
