@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Installs what is missing and builds the program: ./install.sh [--rerun] [--video] [--prefix DIR]
-# May be run again at any time: what is there is kept. With --prefix the programs are also copied to DIR/bin. With --rerun also
+# May be run again at any time: what is there is kept. With --prefix the programs are also copied to DIR/bin,
+# with manual pages and completions. With --rerun also
 # dsslam-rerun, which feeds the Rerun viewer (ten minutes more on two cores). With --video also dsslam-video, which decodes
 # videos and cameras for it and needs OpenCV (about 1.5 GB).
 set -euo pipefail
 cd "$(dirname "$0")"
 
-usage() { sed -n '2,5s/^# //p' "$0"; }
+usage() { sed -n '2,6s/^# //p' "$0"; }
 fail() { echo "install.sh: $*" >&2; exit 1; }
 
 prefix=
@@ -76,6 +77,11 @@ if [ -n "$prefix" ]; then
   install -m 755 "$program" "$prefix/bin/dsslam"
   if [ -n "$rerun" ]; then install -m 755 "$viewer" "$prefix/bin/dsslam-rerun"; fi
   program=$prefix/bin/dsslam
+  "$program" --quiet man "$prefix/share/man/man1" >/dev/null
+  mkdir -p "$prefix/share/bash-completion/completions" "$prefix/share/zsh/site-functions" "$prefix/share/fish/vendor_completions.d"
+  "$program" completions bash > "$prefix/share/bash-completion/completions/dsslam"
+  "$program" completions zsh > "$prefix/share/zsh/site-functions/_dsslam"
+  "$program" completions fish > "$prefix/share/fish/vendor_completions.d/dsslam.fish"
 fi
 if [ -n "$video" ]; then
   echo "      dsslam-video"

@@ -8,9 +8,11 @@ use synth::Preset;
 
 use crate::config::CheckArgs;
 use crate::console::Voice;
+use crate::doctor::DoctorArgs;
 use crate::export::ExportArgs;
 use crate::help;
 use crate::network_args::{ActivationArgs, NetworkArgs, PlacesArgs};
+use crate::shell::{CompletionsArgs, ManArgs};
 use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
 
 /// Visual SLAM: images in, trajectory and map out.
@@ -43,6 +45,7 @@ pub(crate) enum Command {
     #[command(after_help = help::view())]
     View(ViewArgs),
     /// Evaluates trajectories against ground truth, as tables and plots.
+    #[command(after_help = help::eval())]
     Eval(eval::command::EvalCommand),
     /// Draws what the network thinks of an image: activation as a heat map, features kept and dropped.
     #[command(after_help = help::activation())]
@@ -68,6 +71,15 @@ pub(crate) enum Command {
     /// Draws the disparities of a stereo frame.
     #[command(after_help = help::stereo())]
     Stereo(StereoArgs),
+    /// Says what is on this machine, what is missing, and how to get it.
+    #[command(after_help = help::doctor())]
+    Doctor(DoctorArgs),
+    /// Prints the completions of a shell.
+    #[command(after_help = help::completions())]
+    Completions(CompletionsArgs),
+    /// Prints the manual page, or writes those of all commands into a folder.
+    #[command(after_help = help::man())]
+    Man(ManArgs),
 }
 
 /// Arguments of `dsslam run`.
@@ -92,6 +104,9 @@ pub(crate) struct RunArgs {
     /// Writes the results into this folder instead of results/SEQUENCE/TIME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Prints the content of summary.json, and nothing else, on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Stops after this many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_frames: Option<u32>,
@@ -219,6 +234,9 @@ pub(crate) struct DemoArgs {
     /// Who watches the run.
     #[command(flatten)]
     pub(crate) show: ShowArgs,
+    /// Prints the content of summary.json, and nothing else, on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Arguments of `dsslam synth`.

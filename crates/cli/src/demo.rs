@@ -88,6 +88,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
         extras: Extras::default(),
         show: args.show.clone(),
         viewer,
+        json: args.json,
         watch,
     };
     job::execute(job, &stop).map(|(_, exit)| exit)

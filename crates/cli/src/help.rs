@@ -7,9 +7,10 @@ pub(crate) fn top() -> String {
     with_codes(
         "\
 Examples:
-  dsslam demo                             render a town and drive through it; needs no data
-  dsslam run path/to/sequence             run on a KITTI or TUM RGB-D folder
-  dsslam help run                         all options of a run",
+  dsslam demo                  # renders a town and drives through it; needs no data
+  dsslam run path/to/sequence  # KITTI, TUM RGB-D and EuRoC folders
+  dsslam help run              # all options of a run
+  dsslam doctor                # what is missing on this machine",
     )
 }
 
@@ -21,8 +22,9 @@ Examples:
   dsslam run kitti/sequences/06 --config configs/kitti.yaml
   dsslam run kitti/sequences/06 --set features.keep=500 --max-frames 200
   dsslam run rgbd_dataset_freiburg1_desk --config configs/tum-rgbd.yaml
-  dsslam run MH_01_easy --config configs/euroc.yaml --sensor mono
+  dsslam run MH_01_easy --config configs/euroc.yaml
   dsslam run images --calib camera.yaml
+  dsslam run kitti/sequences/06 --json --quiet > summary.json
   dsslam run morning --save-map campus.dsmap
   dsslam run evening --load-map campus.dsmap --localize
   dsslam run kitti/sequences/06 --schedule live --realtime --journal run.json
@@ -58,7 +60,7 @@ pub(crate) fn view() -> String {
     with_codes(
         "\
 Examples:
-  dsslam view                                             the newest run
+  dsslam view  # the newest run
   dsslam view results/latest --save run.rrd
   dsslam view results/latest --map campus.dsmap",
     )
@@ -91,10 +93,20 @@ pub(crate) fn places() -> String {
         "\
 Examples:
   dsslam places kitti/sequences/06 --out /tmp/places
-  dsslam places town --selection ours --every 2 --features-model xfeat.onnx --out /tmp/places
+  dsslam places town --selection trad --every 2 --out /tmp/places
 
 Selections: trad (highest response), seman (the same off what may move), ours (highest activation).
 Files: places.csv (a row per query and selection), curves.csv, precision_recall.png and .svg.",
+    )
+}
+
+/// Below `dsslam eval --help`.
+pub(crate) fn eval() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam eval traj results/latest/trajectory.kitti.txt kitti/poses/06.txt
+  dsslam help eval run",
     )
 }
 
@@ -114,7 +126,7 @@ pub(crate) fn vocab() -> String {
     with_codes(
         "\
 Examples:
-  dsslam vocab info                                       the vocabulary that is part of the program
+  dsslam vocab info  # the vocabulary that is part of the program
   dsslam vocab train images/ more/*.png -o my.dbow
   dsslam vocab convert ORBvoc.txt orbvoc.dbow",
     )
@@ -138,7 +150,7 @@ pub(crate) fn features() -> String {
         "\
 Examples:
   dsslam features kitti/sequences/06/image_0/000000.png -o features.png
-  dsslam features kitti/sequences/06 --frame 10 --set features.keep=500 -o features.png",
+  dsslam features kitti/sequences/06 --frame 2 --set features.keep=500 -o features.png",
     )
 }
 
@@ -158,7 +170,38 @@ pub(crate) fn stereo() -> String {
         "\
 Examples:
   dsslam stereo kitti/sequences/06 -o disparities.png
-  dsslam stereo kitti/sequences/06 --frame 10 --config configs/kitti.yaml -o disparities.png",
+  dsslam stereo kitti/sequences/06 --frame 2 --config configs/kitti.yaml -o disparities.png",
+    )
+}
+
+/// Below `dsslam doctor --help`.
+pub(crate) fn doctor() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam doctor
+  dsslam doctor --json",
+    )
+}
+
+/// Below `dsslam completions --help`.
+pub(crate) fn completions() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam completions bash > dsslam.bash  # ~/.local/share/bash-completion/completions/dsslam
+  dsslam completions zsh > _dsslam       # a folder of $fpath
+  dsslam completions fish > dsslam.fish  # ~/.config/fish/completions",
+    )
+}
+
+/// Below `dsslam man --help`.
+pub(crate) fn man() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam man > dsslam.1
+  dsslam man share/man/man1",
     )
 }
 

@@ -51,6 +51,8 @@ pub(crate) struct Job<'a> {
     pub(crate) show: ShowArgs,
     /// The viewer's program, if one watches.
     pub(crate) viewer: Option<PathBuf>,
+    /// Whether standard output is for scripts.
+    pub(crate) json: bool,
     /// Started with the command.
     pub(crate) watch: StopWatch,
 }
@@ -88,7 +90,11 @@ pub(crate) fn execute(mut job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, E
     let written = write_results(&job, &outcome, truth).or_output();
     audience.leave(&outcome, written.as_ref().ok(), job.folder.path());
     let summary = written?;
-    console::say(report::text(&summary, job.folder.path()).trim_end());
+    if job.json {
+        console::say(json(&summary).or_output()?);
+    } else {
+        console::say(report::text(&summary, job.folder.path()).trim_end());
+    }
     if !summary.is_usable() {
         let reason = summary.without_pose.first().map_or("there was no frame", |frame| &frame.reason);
         console::note(console::error(format!("no frame has a pose ({sensor}): {reason}")));
@@ -132,8 +138,7 @@ fn write_results(
     let checksums = Checksums { trajectory: sha256(&bytes), map: map_sha256 };
     let evaluation = truth.map(|(_, evaluation)| evaluation);
     let summary = Summary::new(job.context.clone(), outcome, evaluation, checksums, job.watch.seconds());
-    let json = serde_json::to_string_pretty(&summary)? + "\n";
-    folder.write("summary.json", json.as_bytes())?;
+    folder.write("summary.json", (json(&summary)? + "\n").as_bytes())?;
     folder.link_latest()?;
     Ok(summary)
 }
@@ -147,6 +152,10 @@ fn write_truth(job: &Job<'_>) -> Result<()> {
         return Ok(());
     }
     Ok(io::write_tum(&file, &truth)?)
+}
+
+fn json(summary: &Summary) -> Result<String> {
+    Ok(serde_json::to_string_pretty(summary)?)
 }
 
 /// Writes map and journal where that is wanted; returns the checksum of the map's file.

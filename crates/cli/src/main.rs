@@ -8,6 +8,7 @@ mod clock;
 mod config;
 mod console;
 mod demo;
+mod doctor;
 mod evaluation;
 mod exit;
 mod export;
@@ -24,6 +25,7 @@ mod report;
 mod results;
 mod run;
 mod setup;
+mod shell;
 mod show;
 mod stage;
 mod stop;
@@ -67,5 +69,8 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Features(args) => args.run(),
         Command::Match(args) => args.run(),
         Command::Stereo(args) => args.run(),
+        Command::Doctor(args) => doctor::run(&args),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::man(&args),
     }
 }

@@ -78,6 +78,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
         extras,
         show: args.show.clone(),
         viewer,
+        json: args.json,
         watch,
     };
     job::execute(job, &stop).map(|(_, exit)| exit)

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// How ONNX Runtime is installed, in one command.
-pub(crate) const INSTALL: &str =
+pub const INSTALL: &str =
     "python3 -m pip install --no-deps --target ~/.local/share/dsslam onnxruntime==1.24.4";
 
 /// Why there is no network or no activation map.

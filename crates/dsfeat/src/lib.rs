@@ -13,7 +13,8 @@ mod network;
 mod resize;
 
 pub use dense::{DENSE_CHANNELS, DenseDescriptor, DenseFeatures, DenseKeypoint, DenseNetwork};
-pub use error::Error;
+pub use error::{Error, INSTALL};
 pub use heat::{Rgb, heat_map};
+pub use library::find_library;
 pub use models::Model;
 pub use network::Network;

@@ -38,7 +38,7 @@ pub(crate) fn environment(library: Option<&Path>) -> Result<Environment, Error> 
     }
     let path = match library {
         Some(path) => path.to_owned(),
-        None => find()?,
+        None => find_library()?,
     };
     let bad = |reason: String| Error::BadLibrary { path: path.clone(), reason };
     // Relative paths would be looked for beside the program.
@@ -53,8 +53,11 @@ fn load(path: &Path) -> Result<Environment, String> {
     builder.with_name("dsslam").with_telemetry(false).build().map_err(|error| error.to_string())
 }
 
-/// The library that the environment variable names, else the first one in the usual folders.
-fn find() -> Result<PathBuf, Error> {
+/// The library that the environment variable names (there or not), else the first one in the usual folders. Nothing is loaded.
+///
+/// # Errors
+/// [`Error::NoLibrary`].
+pub fn find_library() -> Result<PathBuf, Error> {
     if let Some(path) = env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
         return Ok(path.into());
     }

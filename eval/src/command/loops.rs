@@ -12,7 +12,10 @@ use crate::{Detection, LoopTruth, SamePlace, precision_recall, read_trajectory_f
 
 pub(super) const HELP: &str = "\
 DETECTIONS: a line per detection, 'query,answer' or 'query,answer,score' (frame numbers; a smaller score is better: the mean
-re-projection error of the RANSAC inliers). With scores there are also precision-recall curve and AUC.";
+re-projection error of the RANSAC inliers). With scores there are also precision-recall curve and AUC.
+
+Examples:
+  dsslam eval loops detections.csv --poses kitti/poses/06.txt --min-gap 1 --plots out";
 
 /// Arguments of `dsslam eval loops`.
 #[derive(Debug, Args)]

@@ -25,11 +25,23 @@ A suite is a YAML file:
 Relative paths start at the file's folder. Each run has its folder RESULTS/<sequence>/<configuration>/<repeat>; started
 again, the suite goes on where it was.
 
+Examples:
+  dsslam eval run suite.yaml --jobs 2                            # results/<name of the suite>
+  dsslam eval run suite.yaml --out RESULTS --jobs-file jobs.txt  # runs nothing, writes the commands
+
 On several machines that share a folder:
   dsslam eval run suite.yaml --out RESULTS --jobs-file jobs.txt
   parallel --jobs 4 < jobs.txt
   sbatch --array=1-$(wc -l < jobs.txt) --wrap 'sh -c \"$(sed -n ${SLURM_ARRAY_TASK_ID}p jobs.txt)\"'
   dsslam eval table RESULTS";
+
+pub(super) const TABLE_HELP: &str = "\
+Examples:
+  dsslam eval table results/short";
+
+pub(super) const PLOT_HELP: &str = "\
+Examples:
+  dsslam eval plot results/short";
 
 /// Arguments of `dsslam eval run`.
 #[derive(Debug, Args)]

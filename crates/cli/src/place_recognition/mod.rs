@@ -12,7 +12,6 @@ use std::path::Path;
 
 use anyhow::Context;
 use eval::{Detection, LoopTruth, PrecisionRecallCurve, precision_recall};
-use indicatif::{ProgressBar, ProgressDrawTarget};
 use io::{Config, open_sequence};
 
 use crate::console;
@@ -81,7 +80,7 @@ fn recognise(
     selections: &[PlaceSelection],
     describer: &mut Describer,
 ) -> Result<Vec<Vec<Answer>>, Failure> {
-    let bar = ProgressBar::with_draw_target(Some(images.len() as u64), ProgressDrawTarget::stderr());
+    let bar = console::bar(Some(images.len() as u64), "{bar:24} {pos}/{len} frames");
     let mut memories: Vec<Memory> = selections.iter().map(|_| Memory::default()).collect();
     let mut sights: Vec<Vec<Sight>> = selections.iter().map(|_| Vec::new()).collect();
     let mut answers: Vec<Vec<Answer>> = selections.iter().map(|_| Vec::new()).collect();

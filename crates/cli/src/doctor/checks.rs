@@ -1,0 +1,98 @@
+//! The list of what is looked at.
+
+use std::env;
+use std::path::Path;
+
+use bow::Vocabulary;
+
+use super::{Finding, probe};
+
+/// Everything, in the order in which it is printed.
+pub(super) fn all() -> Vec<Finding> {
+    vec![program(), processor(), vocabulary(), results(), data(), onnx_runtime(), video(), viewer()]
+}
+
+fn program() -> Finding {
+    let place = env::current_exe().map_or_else(|_| String::new(), |file| format!(", {}", file.display()));
+    Finding::ok("program", format!("dsslam {}{place}", env!("CARGO_PKG_VERSION")))
+}
+
+fn processor() -> Finding {
+    let name = probe::processor_name().map_or_else(String::new, |name| format!("{name}, "));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    Finding::ok("processor", format!("{name}{threads} threads, {}", probe::vector_instructions()))
+}
+
+fn vocabulary() -> Finding {
+    match Vocabulary::built_in() {
+        Ok(vocabulary) => Finding::ok("vocabulary", format!("built in, {} words", vocabulary.n_words())),
+        Err(error) => Finding::missing(
+            "vocabulary",
+            format!("the one that is part of the program is damaged: {error}"),
+            "build the program again (./install.sh), or give one with --vocab FILE",
+        ),
+    }
+}
+
+/// `dsslam run` writes below the folder that it is called in.
+fn results() -> Finding {
+    let here = Path::new(".");
+    let shown = env::current_dir().map_or_else(|_| ".".to_owned(), |dir| dir.display().to_string());
+    match io::create_output_folder(here) {
+        Ok(()) => Finding::ok("results folder", format!("{shown}/results can be written")),
+        Err(error) => Finding::optional(
+            "results folder",
+            error.to_string(),
+            "call the program elsewhere, or with --out DIR",
+        ),
+    }
+}
+
+fn data() -> Finding {
+    const REMEDY: &str =
+        "not needed: `dsslam demo` renders its own data; the tests and suites look in $DSSLAM_DATA";
+    match env::var_os("DSSLAM_DATA").filter(|folder| !folder.is_empty()) {
+        None => Finding::optional("data", "DSSLAM_DATA is not set", REMEDY),
+        Some(folder) => {
+            let n = probe::sequences_in(Path::new(&folder));
+            let found = format!("{n} sequences in {} (DSSLAM_DATA)", Path::new(&folder).display());
+            if n > 0 { Finding::ok("data", found) } else { Finding::optional("data", found, REMEDY) }
+        }
+    }
+}
+
+fn onnx_runtime() -> Finding {
+    let remedy = format!("{}\nor name a library with ORT_DYLIB_PATH", dsfeat::INSTALL);
+    match dsfeat::find_library() {
+        Ok(library) if library.is_file() => Finding::ok("ONNX Runtime", library.display().to_string()),
+        Ok(library) => {
+            Finding::optional("ONNX Runtime", format!("{}: no such file", library.display()), remedy)
+        }
+        Err(_) => {
+            Finding::optional("ONNX Runtime", "not found: features cannot be selected by activation", remedy)
+        }
+    }
+}
+
+fn video() -> Finding {
+    let found = ["dsslam-video", "ffmpeg"].into_iter().find_map(probe::find_program);
+    match found {
+        Some(program) => Finding::ok("video", program.display().to_string()),
+        None => Finding::optional(
+            "video",
+            "neither dsslam-video nor ffmpeg found: videos other than .y4m and cameras cannot be read",
+            "./install.sh --video (OpenCV), or install ffmpeg",
+        ),
+    }
+}
+
+fn viewer() -> Finding {
+    match probe::find_program("dsslam-rerun") {
+        Some(program) => Finding::ok("viewer", program.display().to_string()),
+        None => Finding::optional(
+            "viewer",
+            "dsslam-rerun not found: runs cannot be watched in Rerun",
+            "./install.sh --rerun",
+        ),
+    }
+}

@@ -1,0 +1,72 @@
+//! Questions to the machine.
+
+use std::env;
+use std::path::{Path, PathBuf};
+
+/// A program beside this one or on the `PATH`.
+pub(super) fn find_program(name: &str) -> Option<PathBuf> {
+    let beside = env::current_exe().ok().and_then(|program| Some(program.parent()?.to_owned()));
+    let path = env::var_os("PATH").unwrap_or_default();
+    beside
+        .into_iter()
+        .chain(env::split_paths(&path))
+        .map(|folder| folder.join(name))
+        .find(|file| is_program(file))
+}
+
+fn is_program(file: &Path) -> bool {
+    use std::os::unix::fs::PermissionsExt;
+    file.metadata().is_ok_and(|data| data.is_file() && data.permissions().mode() & 0o111 != 0)
+}
+
+/// The processor's name, where `/proc` tells it.
+pub(super) fn processor_name() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// The widest vector instructions that the program has kernels for.
+pub(super) fn vector_instructions() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        return "AVX2";
+    }
+    if cfg!(target_arch = "x86_64") {
+        "SSE2"
+    } else if cfg!(target_arch = "aarch64") {
+        "NEON"
+    } else {
+        "no vector instructions"
+    }
+}
+
+/// Sequences directly in a folder, or one and two levels below it.
+pub(super) fn sequences_in(folder: &Path) -> usize {
+    let is_sequence = |folder: &Path| io::open_sequence(folder, None).is_ok();
+    let inside = |folder: &Path| -> Vec<PathBuf> {
+        let entries = folder.read_dir().into_iter().flatten();
+        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| path.is_dir()).collect()
+    };
+    if is_sequence(folder) {
+        return 1;
+    }
+    let count = |folder: PathBuf| {
+        if is_sequence(&folder) { 1 } else { inside(&folder).iter().filter(|path| is_sequence(path)).count() }
+    };
+    inside(folder).into_iter().map(count).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_files_that_can_be_run_are_programs() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("tool");
+        std::fs::write(&file, b"").unwrap();
+        assert!(!is_program(&file) && !is_program(folder.path()));
+        assert!(find_program("sh").is_some() && find_program("no-such-program-anywhere").is_none());
+    }
+}
