@@ -95,7 +95,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_plane_is_reproduced_between_the_outermost_centres(
-            x in 5.0f32..75.0, y in 5.0f32..35.0,
+            x in 4.5f32..74.5, y in 4.5f32..34.5,
         ) {
             let values = Raster::from_fn(8, 4, |i, j| 0.1 * i as f32 + 0.05 * j as f32);
             let map = ActivationMap::new(values, 80, 40).unwrap();
