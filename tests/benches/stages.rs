@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use features::{
-    DepthConfig, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, Rig, StereoConfig,
-    search_windows,
+    DepthConfig, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, Rig, SelectionConfig,
+    SelectionRule, Spread, StereoConfig, search_windows,
 };
 use geometry::{GrayImage, SE3, Vec3, Vec6};
 use optim::{
@@ -139,6 +139,10 @@ fn stages(criterion: &mut Criterion) {
     criterion.bench_function("opencv_orb_2000 (U)", |b| {
         b.iter(|| orb.detect_and_compute(black_box(left)).unwrap())
     });
+    match dsfeat::Network::load(dsfeat::Model::Hybrid.bytes(), None, 1) {
+        Ok(network) => selection(criterion, &input, network),
+        Err(error) => println!("skipped: the activation network: {error}"),
+    }
     let mut extractor = Extractor::new(ExtractorConfig::default());
     criterion.bench_function("extract_2000", |b| b.iter(|| extractor.extract(black_box(left))));
     let mut builder = input.builder();
@@ -166,6 +170,20 @@ fn stages(criterion: &mut Criterion) {
     );
     criterion
         .bench_function(&name, |b| b.iter(|| refine_bundle(black_box(&problem), &BundleOptions::default())));
+}
+
+/// The activation map of an image, and a frame of the 500 features that it selects.
+fn selection(criterion: &mut Criterion, input: &Input, mut network: dsfeat::Network) {
+    let [left, right] = &input.pairs[0];
+    let (width, height) = network.input_size();
+    criterion.bench_function(&format!("activation ({width} x {height})"), |b| {
+        b.iter(|| network.activation(black_box(left)).unwrap());
+    });
+    let config = SelectionConfig { rule: SelectionRule::Activation, keep: 500, spread: Spread::Cells };
+    let mut builder = input.builder().with_selection(config, Box::new(network));
+    criterion.bench_function("stereo_frame of 500 by activation", |b| {
+        b.iter(|| builder.stereo(0, 0.0, black_box(left), right).unwrap());
+    });
 }
 
 /// All of it on one thread.

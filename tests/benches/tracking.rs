@@ -12,9 +12,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use features::Rig;
+use features::{ActivationSource, Rig, SelectionConfig, SelectionRule, Spread};
 use geometry::GrayImage;
-use runtime::{Schedule, SequenceFeed, Setup, Silent};
+use runtime::{ActivationFactory, Schedule, Selection, SequenceFeed, Setup, Silent};
 
 /// Calls of OpenCV's ORB before and after the run; the median of all is U.
 const N_UNIT: usize = 20;
@@ -52,21 +52,48 @@ fn main() {
         height: image.height,
     };
     let params = slam::Params::stereo(close_depth_m, 10.0);
-    let setup = Setup {
+    let all = Setup {
         schedule: Schedule::Sequential,
         ..Setup::new(runtime::Sensor::Stereo, Arc::new(rig), params)
     };
-    let mut units = unit(&image);
     let feed = SequenceFeed::new(&sequence, None);
-    let outcome = runtime::run(&feed, &setup, &mut Silent, &AtomicBool::new(false)).unwrap();
-    units.extend(unit(&image));
-    let (unit_ms, track) = (median(units), outcome.timings.summary("track").unwrap());
     let threads = rayon::current_num_threads();
-    println!("U = {unit_ms:.2} ms (OpenCV ORB, 2000 features, one thread)");
+    println!("{threads} threads, U: OpenCV ORB, 2000 features, one thread");
+    measure("response, 2000 features", &image, &feed, &all);
+    if let Err(error) = dsfeat::Network::load(dsfeat::Model::Hybrid.bytes(), None, 1) {
+        println!("skipped: activation, 500 features: {error}");
+        return;
+    }
+    let config = SelectionConfig { rule: SelectionRule::Activation, keep: 500, spread: Spread::Cells };
+    let selection = Some(Selection { config, source: Arc::new(BuiltIn) });
+    measure("activation, 500 features", &image, &feed, &Setup { selection, ..all });
+}
+
+/// Runs and prints the tracking step in units of U, which is measured before and after.
+fn measure(name: &str, image: &GrayImage, feed: &SequenceFeed<'_>, setup: &Setup) {
+    let mut units = unit(image);
+    let outcome = runtime::run(feed, setup, &mut Silent, &AtomicBool::new(false)).unwrap();
+    units.extend(unit(image));
+    let (unit_ms, track) = (median(units), outcome.timings.summary("track").unwrap());
     println!(
-        "track: median {:.2} ms = {:.2} U, p95 {:.2} ms, {threads} threads",
+        "{name}: U = {unit_ms:.2} ms, track median {:.2} ms = {:.2} U, p95 {:.2} ms",
         track.median,
         track.median / unit_ms,
         track.p95
     );
+}
+
+/// The network that is part of the program, on one thread.
+#[derive(Debug)]
+struct BuiltIn;
+
+impl ActivationFactory for BuiltIn {
+    fn open(&self) -> Result<Box<dyn ActivationSource>, String> {
+        let network = dsfeat::Network::load(dsfeat::Model::Hybrid.bytes(), None, 1);
+        network.map(|network| Box::new(network) as Box<dyn ActivationSource>).map_err(|e| e.to_string())
+    }
+
+    fn identity(&self) -> u64 {
+        0
+    }
 }

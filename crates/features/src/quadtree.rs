@@ -55,6 +55,11 @@ impl Node {
     fn len(&self) -> u32 {
         self.end - self.start
     }
+
+    /// Whether quarters can be of any use: corners of several levels may lie on the same pixel.
+    fn can_be_split(&self) -> bool {
+        self.len() > 1 && (self.x1 - self.x0 > 1 || self.y1 - self.y0 > 1)
+    }
 }
 
 /// Scratch memory of the distribution, kept from call to call.
@@ -84,12 +89,17 @@ impl Quadtree {
         kept.extend(self.items.iter().map(|item| item.corner()));
     }
 
-    /// As [`Quadtree::distribute`], but tells the indices of the corners kept, in ascending order.
-    pub(crate) fn choose(&mut self, corners: &[Corner], bounds: [u16; 4], wanted: usize) -> Vec<usize> {
-        self.reduce(corners, bounds, wanted);
-        let mut chosen: Vec<usize> = self.items.iter().map(|item| item.index()).collect();
-        chosen.sort_unstable();
-        chosen
+    /// Divides `bounds` into about `wanted` cells, the fuller the finer; returns the indices of the corners in each.
+    pub(crate) fn cells(&mut self, corners: &[Corner], bounds: [u16; 4], wanted: usize) -> Vec<Vec<usize>> {
+        self.items.clear();
+        if wanted == 0 || corners.is_empty() {
+            return Vec::new();
+        }
+        let corners = &corners[..corners.len().min(Item::LAST as usize)];
+        self.items.extend(corners.iter().enumerate().map(|(i, corner)| Item::new(i, corner)));
+        self.divide(bounds, wanted);
+        let members = |node: &Node| &self.items[node.start as usize..node.end as usize];
+        self.nodes.iter().map(|node| members(node).iter().map(|item| item.index()).collect()).collect()
     }
 
     /// Leaves in `items` the corners to keep, in no order.
@@ -101,11 +111,16 @@ impl Quadtree {
         let corners = &corners[..corners.len().min(Item::LAST as usize)];
         self.items.extend(corners.iter().enumerate().map(|(i, corner)| Item::new(i, corner)));
         if corners.len() > wanted {
-            self.plant(bounds);
-            while self.split_all(wanted) {}
-            while self.nodes.len() < wanted && self.split_fullest(wanted) {}
+            self.divide(bounds, wanted);
             self.keep_strongest(wanted);
         }
+    }
+
+    /// Makes about `wanted` cells of the corners in `items`.
+    fn divide(&mut self, bounds: [u16; 4], wanted: usize) {
+        self.plant(bounds);
+        while self.split_all(wanted) {}
+        while self.nodes.len() < wanted && self.split_fullest(wanted) {}
     }
 
     /// Makes the root cells: about square, side by side.
@@ -129,13 +144,13 @@ impl Quadtree {
     /// One breadth-first pass: every cell with more than one corner is split. Returns whether it could be done without
     /// overshooting `wanted`.
     fn split_all(&mut self, wanted: usize) -> bool {
-        let n_splittable = self.nodes.iter().filter(|n| n.len() > 1).count();
+        let n_splittable = self.nodes.iter().filter(|n| n.can_be_split()).count();
         if n_splittable == 0 || self.nodes.len() + 3 * n_splittable > wanted {
             return false;
         }
         self.next.clear();
         for node in &self.nodes {
-            if node.len() > 1 {
+            if node.can_be_split() {
                 split(node, &mut self.items, &mut self.next);
             } else {
                 self.next.push(*node);
@@ -148,7 +163,7 @@ impl Quadtree {
     /// Splits the fullest cells first, each once, until `wanted` cells exist. Returns whether any was split.
     fn split_fullest(&mut self, wanted: usize) -> bool {
         self.splittable.clear();
-        let full = self.nodes.iter().enumerate().filter(|(_, n)| n.len() > 1);
+        let full = self.nodes.iter().enumerate().filter(|(_, n)| n.can_be_split());
         self.splittable.extend(full.map(|(i, n)| u64::from(u32::MAX - n.len()) << 32 | i as u64));
         self.splittable.sort_unstable();
         for &key in &self.splittable {
@@ -258,11 +273,24 @@ mod tests {
     }
 
     #[test]
-    fn indices_name_the_corners_kept() {
-        let corners = [corner(20, 20, 9), corner(30, 20, 12), corner(150, 50, 3), corner(300, 20, 4)];
-        assert_eq!(Quadtree::default().choose(&corners, BOUNDS, 3), [1, 2, 3]);
-        assert_eq!(Quadtree::default().choose(&corners, BOUNDS, 9), [0, 1, 2, 3]);
-        assert!(Quadtree::default().choose(&corners, BOUNDS, 0).is_empty());
+    fn cells_hold_every_corner_once_and_the_fullest_are_split() {
+        let mut corners: Vec<Corner> = (0..40).map(|i| corner(20 + 2 * i, 20 + i, 9)).collect();
+        corners.push(corner(300, 100, 4));
+        let cells = Quadtree::default().cells(&corners, BOUNDS, 8);
+        let mut all: Vec<usize> = cells.iter().flatten().copied().collect();
+        all.sort_unstable();
+        assert!(all.into_iter().eq(0..41));
+        assert!((8..=10).contains(&cells.len()) && cells.contains(&vec![40]));
+        assert!(Quadtree::default().cells(&corners, BOUNDS, 0).is_empty());
+        assert!(Quadtree::default().cells(&[], BOUNDS, 5).is_empty());
+    }
+
+    #[test]
+    fn corners_on_the_same_pixel_do_not_keep_it_busy_for_ever() {
+        let corners = [corner(50, 50, 9), corner(50, 50, 8), corner(50, 50, 7), corner(60, 70, 5)];
+        let cells = Quadtree::default().cells(&corners, BOUNDS, 10);
+        assert_eq!(cells.len(), 2);
+        assert_eq!(distribute(&corners, 3).len(), 2, "the strongest of each place");
     }
 
     #[test]

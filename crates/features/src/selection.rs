@@ -4,24 +4,30 @@ use crate::activation::ActivationMap;
 use crate::quadtree::{Corner, Quadtree};
 
 /// Activation below this belongs to what moves.
-pub(crate) const TRUSTED: f32 = 0.5;
+const TRUSTED: f32 = 0.5;
+/// Share of the features kept that is taken from places below it: near hedges and parked cars say much about the motion of
+/// the camera, and a network errs; so few features do not outweigh the others where they do move.
+const RESERVE: f32 = 0.25;
+/// Features per cell. Of a larger cell stronger corners are kept, which are found again more often.
+const PER_CELL: usize = 4;
 /// Steps of activation that count as different. The network is nearly sure of most places, and differences among those say
 /// less about a feature than its response does.
-const STEPS: f32 = 8.0;
+const STEPS: f32 = 4.0;
 
 /// By what candidates are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SelectionRule {
     /// Places on what may move are given up (activation below one half), of the others the strongest responses are kept.
     Semantic,
-    /// The highest activation, in steps of an eighth, and of equal steps the strongest response.
+    /// The highest activation, in steps of a quarter, and of equal steps the strongest response.
     Activation,
 }
 
 /// Whether the features kept are spread over the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spread {
-    /// The image is divided into as many cells as features are wanted, the fuller the finer, and each keeps its best.
+    /// The image is divided into a quarter as many cells as features are wanted, the fuller the finer, and each keeps its
+    /// best four.
     #[default]
     Cells,
     /// The best of the image, wherever they are.
@@ -52,8 +58,9 @@ pub struct Contender {
 
 /// The contenders kept, as ascending indices, and the activation of each of them.
 ///
-/// Trusted places come first and are spread over the image of `size` pixels. Where they are fewer than wanted, the others
-/// fill up in falling order of activation, but never under [`SelectionRule::Semantic`]. Ties go to the lower index.
+/// Under [`SelectionRule::Activation`] places below [`TRUSTED`] get [`RESERVE`] of what is kept, and more only where there are
+/// too few trusted ones; under [`SelectionRule::Semantic`] they get nothing. Both groups are spread over the image of `size`
+/// pixels. Ties go to the lower index.
 #[must_use]
 pub fn select(
     contenders: &[Contender],
@@ -68,30 +75,40 @@ pub fn select(
     };
     let mut ranked: Vec<usize> = (0..contenders.len()).collect();
     ranked.sort_by_key(|&i| std::cmp::Reverse((step(i), contenders[i].response)));
-    let (trusted, rest): (Vec<usize>, Vec<usize>) = ranked.iter().partition(|&&i| activation[i] >= TRUSTED);
-    let mut kept = match config.spread {
-        Spread::Anywhere => trusted.into_iter().take(config.keep).collect(),
-        Spread::Cells => spread(contenders, &trusted, config.keep, size),
+    let (trusted, others): (Vec<usize>, Vec<usize>) = ranked.iter().partition(|&&i| activation[i] >= TRUSTED);
+    let best = |of: &[usize], n: usize| match config.spread {
+        Spread::Anywhere => of.iter().copied().take(n).collect(),
+        Spread::Cells => spread(contenders, of, n, size),
     };
-    if config.rule == SelectionRule::Activation {
-        let missing = config.keep - kept.len();
-        kept.extend(rest.into_iter().take(missing));
-    }
+    let n_others = match config.rule {
+        SelectionRule::Semantic => 0,
+        SelectionRule::Activation => {
+            let reserve = (RESERVE * config.keep as f32) as usize;
+            others.len().min(reserve.max(config.keep.saturating_sub(trusted.len())))
+        }
+    };
+    let mut kept: Vec<usize> = best(&trusted, config.keep - n_others);
+    kept.extend(best(&others, n_others));
     kept.sort_unstable();
     let activation = kept.iter().map(|&i| activation[i]).collect();
     (kept, activation)
 }
 
-/// At most `keep` of `ranked`, best first, each the best of its cell.
+/// At most `keep` of `ranked`, best first: the best of each cell, then the second of each, and so on.
 fn spread(contenders: &[Contender], ranked: &[usize], keep: usize, size: (usize, usize)) -> Vec<usize> {
     let side = |length: usize| length.clamp(1, usize::from(u16::MAX)) as u16;
     let (width, height) = (side(size.0), side(size.1));
-    // Equal scores: of a cell the first in rank is kept.
-    let corner = |&i: &usize| {
-        let place = |p: f32, len: u16| (p.round().max(0.0) as u16).min(len - 1);
-        Corner { x: place(contenders[i].x, width), y: place(contenders[i].y, height), score: 0 }
-    };
+    let place = |p: f32, len: u16| (p.round().max(0.0) as u16).min(len - 1);
+    let corner =
+        |&i: &usize| Corner { x: place(contenders[i].x, width), y: place(contenders[i].y, height), score: 0 };
     let corners: Vec<Corner> = ranked.iter().map(corner).collect();
-    let chosen = Quadtree::default().choose(&corners, [0, 0, width, height], keep);
-    chosen.into_iter().map(|i| ranked[i]).collect()
+    let cells = Quadtree::default().cells(&corners, [0, 0, width, height], keep.div_ceil(PER_CELL));
+    // Rank within the cell, then rank in the image: all firsts come before all seconds.
+    let mut turns: Vec<(usize, usize)> = Vec::with_capacity(ranked.len());
+    for mut members in cells {
+        members.sort_unstable();
+        turns.extend(members.into_iter().enumerate());
+    }
+    turns.sort_unstable();
+    turns.into_iter().take(keep).map(|(_, i)| ranked[i]).collect()
 }

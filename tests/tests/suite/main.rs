@@ -14,6 +14,7 @@ mod real_data;
 mod rendered_feed;
 mod schedules;
 mod schedules_of_the_program;
+mod selection;
 mod sensors;
 mod sequence;
 mod videos;

@@ -1,0 +1,107 @@
+//! Features selected by the activation network, seen from the command line: the same bits by any schedule, the picture of
+//! `dsslam activation`, the curves of `dsslam places`, and what is said when something is missing.
+
+use std::fs;
+use std::path::Path;
+
+use crate::program::{Call, command, dsslam, ended, text};
+use crate::sequence::{Copy, rendered};
+
+const ACTIVATION: [&str; 4] = ["--set", "features.selection=activation", "--set", "features.keep=500"];
+
+/// A call that needs ONNX Runtime; `None`, said aloud, where that is not installed.
+fn with_network(args: &[&str]) -> Option<Call> {
+    let call = dsslam(args);
+    if call.code == 2 && call.stderr.contains("was found neither beside the program") {
+        println!("skipped: ONNX Runtime is not installed");
+        return None;
+    }
+    Some(call)
+}
+
+fn checksums(out: &Path) -> [String; 2] {
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
+    ["trajectory_sha256", "map_digest"].map(|key| summary[key].as_str().unwrap().to_owned())
+}
+
+#[test]
+fn selected_features_give_the_same_bits_by_every_schedule() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut found = Vec::new();
+    for (schedule, threads) in [("sequential", "1"), ("lockstep", "1"), ("lockstep", "4")] {
+        let out = folder.path().join(format!("{schedule}{threads}"));
+        let mut args = vec!["run", text(rendered()), "--max-frames", "25", "--schedule", schedule];
+        args.extend(["--out", text(&out), "--set"]);
+        let network_threads = format!("features.network_threads={threads}");
+        args.push(&network_threads);
+        args.extend(ACTIVATION);
+        let Some(first) = with_network(&args) else { return };
+        first.expect_success();
+        let call = ended(command(&args).env("RAYON_NUM_THREADS", threads).output().unwrap());
+        call.expect_success();
+        found.push(checksums(&out));
+    }
+    assert!(found.windows(2).all(|pair| pair[0] == pair[1]), "{found:?}");
+}
+
+#[test]
+fn the_picture_shows_image_map_and_features() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("heat.png");
+    let image = rendered().join("image_0/000003.png");
+    let args = ["activation", text(&image), "-o", text(&picture), "--keep", "300"];
+    let Some(call) = with_network(&args) else { return };
+    call.expect_success();
+    assert!(call.stdout.contains("\nkept       300 features, mean activation 0."), "{call}");
+    let (image, picture) = (image::open(&image).unwrap(), image::open(&picture).unwrap());
+    assert_eq!(picture.width(), image.width());
+    assert!(picture.height() > 3 * image.height(), "three pictures with gaps");
+}
+
+#[test]
+fn places_seen_twice_are_recognised() {
+    const N: usize = 12;
+    let copy = Copy::of_first(2 * N);
+    for camera in ["image_0", "image_1"] {
+        for i in 0..N {
+            let again = copy.path().join(format!("{camera}/{:06}.png", N + i));
+            fs::remove_file(&again).unwrap();
+            let original = rendered().join(format!("{camera}/{i:06}.png"));
+            std::os::unix::fs::symlink(original, again).unwrap();
+        }
+    }
+    let poses = fs::read_to_string(copy.path().join("poses.txt")).unwrap();
+    let first: Vec<&str> = poses.lines().take(N).collect();
+    copy.write("poses.txt", [first.join("\n"), first.join("\n")].join("\n") + "\n");
+    let out = tempfile::tempdir().unwrap();
+    let path = copy.path();
+    let args = ["places", text(&path), "--out", text(out.path()), "--gap", "12", "--radius", "0.1"];
+    let Some(call) = with_network(&args) else { return };
+    call.expect_success();
+    let rows: Vec<&str> = call.stdout.lines().filter(|l| l.ends_with('%')).collect();
+    assert_eq!(rows.len(), 3, "{call}");
+    assert!(rows.iter().all(|row| row.ends_with(" 100.0%")), "{call}");
+    assert!(out.path().join("precision_recall.png").is_file());
+    let table = fs::read_to_string(out.path().join("places.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 3 * N, "a row per query and selection");
+}
+
+#[test]
+fn what_is_missing_is_named() {
+    let copy = Copy::of_first(5);
+    let (path, out) = (copy.path(), tempfile::tempdir().unwrap());
+    let mut args = vec!["run", text(&path), "--out", text(out.path()), "--onnxruntime", "/no/such.so"];
+    args.extend(ACTIVATION);
+    let call = dsslam(&args);
+    assert_eq!(call.code, 2, "{call}");
+    assert!(call.stderr.contains("/no/such.so: is no usable ONNX Runtime"), "{call}");
+    assert!(call.stderr.contains("pip install") && call.stderr.contains("selection=response"), "{call}");
+    args[4] = "--dsfeat-model";
+    args[5] = "/no/such.onnx";
+    let call = dsslam(&args);
+    assert!(call.code == 2 && call.stderr.contains("/no/such.onnx: cannot be read"), "{call}");
+    let call = dsslam(&["places", text(&path), "--out", text(out.path()), "--selection", "trad"]);
+    assert_eq!(call.code, 2, "{call}");
+    assert!(call.stderr.contains("no frame shows a place that was seen 100 frames earlier"), "{call}");
+}
