@@ -105,7 +105,7 @@ fn call(dir: &Path, args: &[&str]) {
 fn prepare(dir: &Path) {
     let sequence = dir.join("kitti/sequences/06");
     let frames = N_FRAMES.to_string();
-    call(dir, &["synth", sequence.to_str().unwrap(), "--preset", "street", "--frames", &frames, "--depth"]);
+    call(dir, &["synth", sequence.to_str().unwrap(), "--preset", "town", "--frames", &frames, "--depth"]);
     for name in ["morning", "evening"] {
         symlink(&sequence, dir.join(name)).unwrap();
     }

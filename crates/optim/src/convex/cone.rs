@@ -12,6 +12,8 @@ use super::{ConvexError, TranslationProblem};
 
 /// Relative and absolute duality gap, and feasibility, in whitened units.
 const TOLERANCE: f64 = 1e-8;
+/// The same where the solver comes to a standstill before.
+const REDUCED_TOLERANCE: f64 = 1e-6;
 
 /// The positions that minimise the loss, from the given ones; the problem has been checked.
 pub(super) fn solve(problem: &TranslationProblem, start: &[Vec3]) -> Result<Vec<Vec3>, ConvexError> {
@@ -26,6 +28,9 @@ pub(super) fn solve(problem: &TranslationProblem, start: &[Vec3]) -> Result<Vec<
         tol_gap_abs: TOLERANCE,
         tol_gap_rel: TOLERANCE,
         tol_feas: TOLERANCE,
+        reduced_tol_gap_abs: REDUCED_TOLERANCE,
+        reduced_tol_gap_rel: REDUCED_TOLERANCE,
+        reduced_tol_feas: REDUCED_TOLERANCE,
         ..Default::default()
     };
     let failed = |status: String, iterations: u32| ConvexError::Solver { status, iterations };
@@ -33,7 +38,7 @@ pub(super) fn solve(problem: &TranslationProblem, start: &[Vec3]) -> Result<Vec<
         .map_err(|e| failed(e.to_string(), 0))?;
     solver.solve();
     let solution = &solver.solution;
-    if solution.status != SolverStatus::Solved {
+    if !matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
         return Err(failed(format!("{:?}", solution.status), solution.iterations));
     }
     let moved = start.iter().enumerate().map(|(node, position)| match column(problem, node as u32) {
