@@ -159,7 +159,7 @@ pub(crate) fn matching() -> String {
     with_codes(
         "\
 Examples:
-  dsslam match kitti/sequences/06/image_0/000000.png kitti/sequences/06/image_0/000002.png -o matches.png
+  dsslam match image_0/000000.png image_0/000002.png -o matches.png
   dsslam match kitti/sequences/06 --frames 0 3 --guided -o matches.png",
     )
 }
