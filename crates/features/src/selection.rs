@@ -58,7 +58,7 @@ pub struct Contender {
 
 /// The contenders kept, as ascending indices, and the activation of each of them.
 ///
-/// Under [`SelectionRule::Activation`] places below [`TRUSTED`] get [`RESERVE`] of what is kept, and more only where there are
+/// Under [`SelectionRule::Activation`] places below `TRUSTED` get `RESERVE` of what is kept, and more only where there are
 /// too few trusted ones; under [`SelectionRule::Semantic`] they get nothing. Both groups are spread over the image of `size`
 /// pixels. Ties go to the lower index.
 #[must_use]
