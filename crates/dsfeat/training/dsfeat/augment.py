@@ -11,8 +11,10 @@ from .data import IGNORED
 from .network import HEIGHT, STRIDE, WIDTH
 
 
-def window(rng: np.random.Generator, aspect: float) -> tuple[float, float, float, float]:
+def window(rng: np.random.Generator, aspect: float, least: float = 0.55) -> tuple[float, float, float, float]:
     """Window (x, y, width, height) as shares of the frame; its true aspect lies between the frame's and KITTI's.
+
+    It has at least the share `least` of the frame's width.
 
     Half of the windows have about the network's aspect (KITTI's), the others any between the frame's own and that.
     """
@@ -21,7 +23,7 @@ def window(rng: np.random.Generator, aspect: float) -> tuple[float, float, float
         shape = target * np.exp(rng.uniform(-0.18, 0.18))
     else:
         shape = np.exp(rng.uniform(np.log(min(aspect, target) * 0.9), np.log(target * 1.1)))
-    width = rng.uniform(0.55, 1.0)
+    width = rng.uniform(least, 1.0)
     height = min(1.0, width * aspect / shape)
     return rng.uniform(0, 1 - width), rng.uniform(0, 1 - height), width, height
 
@@ -68,6 +70,30 @@ def light(rng: np.random.Generator, image: np.ndarray) -> np.ndarray:
 def sample(rng: np.random.Generator, image: np.ndarray, labels: np.ndarray, aspect: float) -> tuple[np.ndarray, np.ndarray]:
     """One training sample: image float32 [96, 320], stability map uint8 [48, 160]."""
     image, labels = warp(image, labels, window(rng, aspect), bool(rng.random() < 0.5))
+    return light(rng, image), labels
+
+
+def repaint(rng: np.random.Generator, image: np.ndarray, objects: np.ndarray) -> np.ndarray:
+    """Gives each connected region of `objects` (bool [H, W]) another brightness and contrast, some are inverted.
+
+    The paint and the lighting of a vehicle then say nothing about whether it moves. uint8 [H, W] -> uint8 [H, W].
+    """
+    count, regions = cv2.connectedComponents(objects.astype(np.uint8))
+    gain = rng.uniform(0.5, 1.5, count) * np.where(rng.random(count) < 0.3, -1.0, 1.0)
+    shift = rng.uniform(70.0, 180.0, count) - 127.0 * gain
+    gain[0], shift[0] = 1.0, 0.0
+    changed = image * gain.astype(np.float32)[regions] + shift.astype(np.float32)[regions]
+    return np.clip(changed, 0.0, 255.0).astype(np.uint8)
+
+
+def street_sample(
+    rng: np.random.Generator, image: np.ndarray, labels: np.ndarray, objects: np.ndarray, aspect: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """One sample of a frame with maps refined by motion: as `sample`, but never mirrored (the side of the road tells
+    who drives), half of them nearly the whole frame, and half of them with repainted `objects`.
+    """
+    image = repaint(rng, image, objects) if rng.random() < 0.5 else image
+    image, labels = warp(image, labels, window(rng, aspect, 0.55 if rng.random() < 0.5 else 0.9), False)
     return light(rng, image), labels
 
 

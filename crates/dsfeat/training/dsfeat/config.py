@@ -4,6 +4,8 @@ import json
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
+from .network import DILATIONS, WIDTHS
+
 
 @dataclass
 class Config:
@@ -12,6 +14,9 @@ class Config:
     #: Use the matching loss (eq. 2 to 7); without it the run is the semantic-only baseline.
     hybrid: bool = False
     seed: int = 1
+    #: Channels and dilations of the network (`dsfeat.network.DSFeat`).
+    widths: list[int] = field(default_factory=lambda: list(WIDTHS))
+    dilations: list[int] = field(default_factory=lambda: list(DILATIONS))
     epochs: int = 50
     #: Optimisation steps of one epoch before, between and after the milestones: an epoch is a fixed number of samples, not
     #: one pass over the data, and the epochs of the small rates, which change little, are short.
@@ -29,14 +34,14 @@ class Config:
     dynamic_weight: float = 2.0
     #: Hybrid only: labelled images and frames with maps refined by motion per step, triplets in every n-th step.
     hybrid_batch: int = 4
-    motion_frames: int = 2
+    motion_frames: int = 3
     triplets: int = 1
     triplet_every: int = 2
     #: Margins of the triplet loss for the dense and the sparse distance.
     margin_dense: float = 0.2
     margin_sparse: float = 0.3
     #: Weights of moved pixels and of pixels on standing vehicles in the motion loss (others have 1).
-    moved_weight: float = 4.0
+    moved_weight: float = 5.0
     standing_weight: float = 3.0
     #: Weights of dense triplet loss, sparse triplet loss and motion loss within the matching loss.
     weight_dense: float = 0.25

@@ -18,7 +18,7 @@ import torch
 from .augment import whole
 from .data import DYNAMIC, STATIC, TOWN_MOVING, TOWN_PARKED, TOWN_STILL, Scenes, add_folders, load, need
 from .metrics import Tally
-from .network import DSFeat
+from .network import DSFeat, restored
 from .triplets import VEHICLES
 
 #: Activation maps [B, 48, 160] of images [B, 1, 96, 320].
@@ -140,9 +140,7 @@ def main() -> None:
     need(parser, args, "cache")
     torch.set_num_threads(1)
     if args.model.suffix == ".pt":
-        network = DSFeat()
-        network.load_state_dict(torch.load(args.model, map_location="cpu", weights_only=True)["network"])
-        predict = predictor(network)
+        predict = predictor(restored(args.model))
     else:
         predict = onnx_predictor(args.model)
     found = evaluate(predict, args.cache)

@@ -12,7 +12,7 @@ import onnx
 import onnxruntime as ort
 import torch
 
-from .network import HEIGHT, WIDTH, DSFeat, Exported, multiply_adds
+from .network import HEIGHT, WIDTH, DSFeat, Exported, multiply_adds, restored
 
 #: ONNX operator set: the newest that pure-Rust runtimes read well.
 OPSET = 13
@@ -79,9 +79,7 @@ def main() -> None:
     args = parser.parse_args()
     torch.manual_seed(args.seed)
     torch.set_num_threads(1)
-    network = DSFeat()
-    if args.checkpoint:
-        network.load_state_dict(torch.load(args.checkpoint, map_location="cpu", weights_only=True)["network"])
+    network = restored(args.checkpoint) if args.checkpoint else DSFeat()
     export_onnx(network, args.out)
     difference = compare(network, args.out)
     parameters = sum(p.numel() for p in network.parameters())

@@ -12,11 +12,15 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from .data import TOWN_MOVING, TOWN_PARKED
+
 STATIC, MOVING, UNKNOWN = 1, 0, 2
 #: Values of a refined stability map.
 MOVED, STILL, IGNORED, STANDING = 0, 1, 2, 3
 #: A pixel of a dynamic class follows a labelled point within this distance, pixels.
-REACH_PX = 30.0
+REACH_PX = 50.0
+#: A region of a dynamic class is completed where this share of it is labelled and this share of that alike.
+KNOWN, AGREED = 0.3, 0.97
 #: Corners per frame.
 CORNERS = 1400
 #: Deviation of a tracked place, pixels.
@@ -27,8 +31,12 @@ STATIC_BELOW, MOVING_ABOVE, MOVING_PX = 2.5, 6.0, 3.0
 SPEED, NOTICED = 5.0, 4.0
 #: A car does not drive sideways: a camera motion with more is that of a vehicle across the view (metres, share of the way).
 SIDEWAYS_M, SIDEWAYS_SHARE = 0.15, 0.3
-#: Cells of the image that vote for the camera's motion.
-CELLS = (16, 6)
+#: Cells of the image that vote for the camera's motion, and the points of each: `FEW` where a vehicle leaves few cells.
+CELLS, VOTES, FEW = (16, 6), 3, 12
+#: With fewer voters than this every cell has `FEW` points.
+ENOUGH = 60
+#: The camera's motion comes from points off the vehicles if there are at least this many.
+OFF_VEHICLES = 25
 
 
 @dataclass
@@ -83,12 +91,15 @@ def project(rig: Rig, xyz: np.ndarray) -> np.ndarray:
 def camera_motion(rig: Rig, xyz: np.ndarray, before: np.ndarray, after: np.ndarray, size: tuple[int, int]):
     """Rotation [3, 3] and translation [3] of the later camera from the earlier one, or None.
 
-    At most three points of each cell of the image take part, so that one large vehicle cannot outvote the street.
+    At most `VOTES` points of each cell of the image take part, so that one large vehicle cannot outvote the street.
     """
     cell = np.minimum((before / np.array(size) * np.array(CELLS)).astype(int), np.array(CELLS) - 1) @ np.array([1, CELLS[0]])
     order = np.argsort(cell, kind="stable")
     first = np.searchsorted(cell[order], cell[order])
-    voters = order[np.arange(len(order)) - first < 3]
+    rank = np.arange(len(order)) - first
+    voters = order[rank < VOTES]
+    if len(voters) < ENOUGH:
+        voters = order[rank < FEW]
     if len(voters) < 20:
         return None
     k = np.array([[rig.focal, 0, rig.centre[0]], [0, rig.focal, rig.centre[1]], [0, 0, 1]])
@@ -140,18 +151,50 @@ def supported(points: np.ndarray, labels: np.ndarray, radius: float = 40.0) -> n
     return out
 
 
+def values_at(kinds: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Values of a map [H, W] at points [N, 2], pixels: [N]."""
+    column, row = np.rint(points).astype(int).T
+    return kinds[row.clip(0, kinds.shape[0] - 1), column.clip(0, kinds.shape[1] - 1)]
+
+
+def completed(labels: np.ndarray) -> np.ndarray:
+    """Map [H, W] in which the rest of a connected region of a dynamic class follows what is labelled of it.
+
+    Only where at least `KNOWN` of the region is labelled and nearly all of that (`AGREED`) alike: smooth flanks of trucks,
+    parts of parked cars that leave the view at once.
+    """
+    count, regions = cv2.connectedComponents((labels != STILL).astype(np.uint8))
+    every, moved, standing = (
+        np.bincount(regions[chosen], minlength=count) for chosen in (labels != STILL, labels == MOVED, labels == STANDING)
+    )
+    known = moved + standing
+    table = np.full(count, IGNORED, np.uint8)
+    enough = known >= KNOWN * np.maximum(every, 1)
+    table[enough & (moved >= AGREED * known)] = MOVED
+    table[enough & (standing >= AGREED * known)] = STANDING
+    return np.where(labels == IGNORED, table[regions], labels).astype(np.uint8)
+
+
+def exact(mask: np.ndarray) -> np.ndarray:
+    """Refined stability map [H, W] of a rendered town's mask, in which nothing is ignored."""
+    out = np.full(mask.shape, STILL, np.uint8)
+    out[mask == TOWN_MOVING], out[mask == TOWN_PARKED] = MOVED, STANDING
+    return out
+
+
 def refined(kinds: np.ndarray, points: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Stability map [H, W] of a semantic map `kinds` (0 dynamic class, 1 static) after the motion labels.
 
     Each pixel of a dynamic class follows the nearest labelled point on such a class within `REACH_PX`: MOVED where it
-    moves, STANDING where it stands still, IGNORED where no point is near. All other pixels are STILL.
+    moves, STANDING where it stands still, IGNORED where no point is near and `completed` finds nothing. All other pixels
+    are STILL.
     """
     dynamic = kinds == 0
+    on = (values_at(kinds, points) == 0) & (labels != UNKNOWN)
     out = np.where(dynamic, IGNORED, STILL).astype(np.uint8)
-    column, row = np.rint(points).astype(int).T
-    on = dynamic[row.clip(0, kinds.shape[0] - 1), column.clip(0, kinds.shape[1] - 1)] & (labels != UNKNOWN)
     if not on.any():
         return out
+    column, row = np.rint(points).astype(int).T
     seeds = np.ones(kinds.shape, np.uint8)
     seeds[row[on], column[on]] = 0
     value = np.zeros(kinds.shape, np.uint8)
@@ -161,31 +204,59 @@ def refined(kinds: np.ndarray, points: np.ndarray, labels: np.ndarray) -> np.nda
     table[index[seeds == 0]] = value[seeds == 0]
     near = dynamic & (distance < REACH_PX)
     out[near] = table[index[near]]
-    return out
+    return completed(out)
 
 
-def label_frame(rig: Rig, lefts: list[np.ndarray], right: np.ndarray, right_last: np.ndarray):
-    """Labels the corners of the first left image by its motion until the last: points [N, 2] pixels, labels [N].
+def corners_of(image: np.ndarray, kinds: np.ndarray | None) -> np.ndarray:
+    """Corners [N, 2] of an image; with `kinds` (0 dynamic class) as many are looked for on those classes as elsewhere."""
+    if kinds is None:
+        found = [cv2.goodFeaturesToTrack(image, CORNERS, 0.004, 6)]
+    else:
+        on = cv2.erode((kinds == 0).astype(np.uint8), np.ones((3, 3), np.uint8))
+        found = [
+            cv2.goodFeaturesToTrack(image, CORNERS // 2, 0.004, 6, mask=(kinds != 0).astype(np.uint8)),
+            cv2.goodFeaturesToTrack(image, CORNERS // 2, 0.002, 5, mask=on) if on.any() else None,
+        ]
+    return np.concatenate([np.zeros((0, 2), np.float32), *(f[:, 0] for f in found if f is not None)])
 
-    None where the camera's motion cannot be found.
-    """
-    corners = cv2.goodFeaturesToTrack(lefts[0], CORNERS, 0.004, 6)
-    if corners is None or len(corners) < 50:
+
+def judged(rig: Rig, tracks: np.ndarray, seconds: float, size: tuple[int, int], kinds: np.ndarray | None):
+    """Labels tracks [N, 6] (place and disparity before and after): points [N, 2], labels [N], or None (see `label_frame`)."""
+    if len(tracks) < 50:
         return None
-    points = corners[:, 0]
-    d, good = disparity(lefts[0], right, points)
-    after = points
-    for one, two in zip(lefts, lefts[1:]):
-        after, ok = follow(one, two, after)
-        good &= ok
-    d_after, ok = disparity(lefts[-1], right_last, after)
-    good &= ok
-    points, d, after, d_after = points[good], d[good], after[good], d_after[good]
-    if len(points) < 50:
-        return None
-    size = (lefts[0].shape[1], lefts[0].shape[0])
-    pose = camera_motion(rig, backproject(rig, points, d), points, after, size)
+    points, d, after, d_after = tracks[:, :2], tracks[:, 2], tracks[:, 3:5], tracks[:, 5]
+    voters = np.arange(len(points))
+    if kinds is not None:
+        off = np.flatnonzero(values_at(kinds, points) != 0)
+        voters = off if len(off) >= OFF_VEHICLES else voters
+    pose = camera_motion(rig, backproject(rig, points[voters], d[voters]), points[voters], after[voters], size)
     if pose is None:
         return None
-    labels = classify(rig, pose, points, d, after, d_after, rig.interval * (len(lefts) - 1))
-    return points, supported(points, labels)
+    return points, supported(points, classify(rig, pose, points, d, after, d_after, seconds))
+
+
+def label_frame(rig: Rig, lefts: list[np.ndarray], rights: dict[int, np.ndarray], kinds: np.ndarray | None = None):
+    """Labels the corners of the first left image by its motion: points [N, 2] pixels, labels [N].
+
+    `rights` are the right images of the first frame and of those at which the motion is judged; a corner has a label for
+    each of them. With `kinds` [H, W] (0 dynamic class) the camera's motion comes from the points off the dynamic classes, so
+    that a truck may fill most of the view. None where the camera's motion cannot be found.
+    """
+    points = corners_of(lefts[0], kinds)
+    if len(points) < 50:
+        return None
+    d, good = disparity(lefts[0], rights[0], points)
+    start, after = np.column_stack([points, d])[good], points[good]
+    size = (lefts[0].shape[1], lefts[0].shape[0])
+    found = []
+    for k in range(1, len(lefts)):
+        if len(after) < 50:
+            break
+        after, good = follow(lefts[k - 1], lefts[k], after)
+        start, after = start[good], after[good]
+        if k in rights and len(after):
+            d_after, good = disparity(lefts[k], rights[k], after)
+            tracks = np.column_stack([start, after, d_after])[good]
+            found.append(judged(rig, tracks, rig.interval * k, size, kinds))
+    found = [f for f in found if f is not None]
+    return tuple(np.concatenate(x) for x in zip(*found)) if found else None

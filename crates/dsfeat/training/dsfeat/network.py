@@ -1,9 +1,11 @@
 """The activation network: a U-Net with fewer down-samplings, more depth and separable convolutions (paper, section II-B).
 
 The vanilla U-Net halves the image four times with two plain convolutions per level. Here the image is halved three
-times, the lowest level is six separable convolutions deep, every other one dilated (so that each pixel sees the street
+times, the lowest level is several separable convolutions deep, most of them dilated (so that each pixel sees the street
 around it), and a convolution with a sigmoid is the head.
 """
+
+from pathlib import Path
 
 import torch
 from torch import nn
@@ -13,6 +15,8 @@ from torch.nn import functional as F
 HEIGHT, WIDTH = 96, 320
 #: The activation map has the input's size divided by this.
 STRIDE = 2
+#: Channels at a half, a quarter and an eighth of the input's size, and the dilations of the lowest level's layers.
+WIDTHS, DILATIONS = (8, 24, 64), (1, 2, 1, 4, 1, 4)
 #: Grey values 0..1 are normalised inside the network.
 MEAN, DEVIATION = 0.42, 0.24
 
@@ -61,7 +65,7 @@ class DSFeat(nn.Module):
     `activation` gives the sigmoid of it, which is what the exported model returns.
     """
 
-    def __init__(self, widths: tuple[int, int, int] = (8, 24, 64), dilations: tuple[int, ...] = (1, 2, 1, 4, 1, 4)):
+    def __init__(self, widths: tuple[int, int, int] = WIDTHS, dilations: tuple[int, ...] = DILATIONS):
         super().__init__()
         half, quarter, eighth = widths
         self.stem = nn.Sequential(nn.Conv2d(1, half, 3, 2, 1, bias=False), nn.BatchNorm2d(half), nn.ReLU())
@@ -93,6 +97,14 @@ class Exported(nn.Module):
 
     def forward(self, image: torch.Tensor) -> torch.Tensor:
         return self.network.activation(image)
+
+
+def restored(checkpoint: Path) -> DSFeat:
+    """The network of a checkpoint of `dsfeat.train`, with its own widths and dilations."""
+    state = torch.load(checkpoint, map_location="cpu", weights_only=True)
+    network = DSFeat(*(tuple(state.get(key, default)) for key, default in (("widths", WIDTHS), ("dilations", DILATIONS))))
+    network.load_state_dict(state["network"])
+    return network
 
 
 def multiply_adds(network: nn.Module, height: int = HEIGHT, width: int = WIDTH, channels: int = 1) -> int:

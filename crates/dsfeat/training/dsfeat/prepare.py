@@ -22,7 +22,7 @@ from .augment import whole
 from .data import DYNAMIC, DYNAMIC_CLASSES, add_folders, need, read_classes, read_grey, resize_pair, stability
 from .export import session
 from .matching import Features, features, packed, pair, to_unit
-from .motion import UNKNOWN, label_frame, read_rig, refined
+from .motion import UNKNOWN, exact, label_frame, read_rig, refined
 from .network import HEIGHT, WIDTH
 from .places import bags, features_of, find_loops, find_negative, similarities, vocabulary
 from .triplets import MOTION, TRIPLETS, VEHICLES
@@ -31,7 +31,9 @@ from .triplets import MOTION, TRIPLETS, VEHICLES
 POINTS = 640
 #: Size (width, height) at which frames with motion labels are kept.
 STORED = (620, 188)
-#: Frames over which motion is observed.
+#: Frames after which (before which) motion is judged: distant vehicles need long, near ones soon leave the view.
+SPANS = (-3, 3, 8)
+#: The same to evaluate on real vehicles.
 SPAN = 4
 #: Frames closer than this (times step) are the same visit.
 GAP_FRAMES = 200
@@ -118,25 +120,45 @@ def triplets(args: argparse.Namespace) -> None:
     np.savez(args.cache / TRIPLETS, **{k: np.array(v) for k, v in arrays.items()})
 
 
+def observed(folder: Path, lefts: list[Path], t: int, spans: tuple[int, ...], kinds: np.ndarray | None = None):
+    """Labelled points of frame `t` of a stereo sequence judged after each of `spans` frames, or None (see `label_frame`).
+
+    Negative spans are earlier frames: what is near us and comes towards us has left the view when the next frame is taken.
+    """
+    rig = read_rig((folder / "calib.txt").read_text())
+    found = []
+    for sign in (-1, 1):
+        steps = [abs(k) for k in spans if k * sign > 0 and 0 <= t + k < len(lefts)]
+        if steps:
+            window = [read_grey(lefts[t + sign * k]) for k in range(max(steps) + 1)]
+            rights = {k: read_grey(folder / "image_1" / lefts[t + sign * k].name) for k in (0, *steps)}
+            found.append(label_frame(rig, window, rights, kinds))
+    found = [f for f in found if f is not None]
+    return tuple(np.concatenate(x) for x in zip(*found)) if found else None
+
+
 def motion(args: argparse.Namespace) -> None:
     """Stability maps refined by motion of every STEP-th frame of rendered towns into `motion.npz`.
 
-    Of the masks only the class is used (vehicle or not); which vehicles move is found by `dsfeat.motion`.
+    Which vehicles move says the renderer's mask, or the residuals of `dsfeat.motion` (then only the class is read of the mask).
     """
     images, maps, source = [], [], []
     for number, entry in enumerate(args.sequence):
         name, step = entry.rsplit(":", 1)
         folder = Path(name)
-        rig = read_rig((folder / "calib.txt").read_text())
         lefts = sorted((folder / "image_0").glob("*.png"))
         count = 0
-        for t in range(0, len(lefts) - SPAN, int(step)):
-            window = [read_grey(p) for p in lefts[t : t + SPAN + 1]]
-            result = label_frame(rig, window, *(read_grey(folder / "image_1" / lefts[i].name) for i in (t, t + SPAN)))
-            if result is None:
-                continue
-            kinds = stability(read_classes(folder / "masks" / lefts[t].name), "town")
-            image, labels = resize_pair(window[0], refined(kinds, *result), STORED)
+        for t in range(0, len(lefts) - max(SPANS), int(step)):
+            mask = read_classes(folder / "masks" / lefts[t].name)
+            if args.labels == "masks":
+                found = exact(mask)
+            else:
+                kinds = stability(mask, "town")
+                result = observed(folder, lefts, t, SPANS, kinds)
+                if result is None:
+                    continue
+                found = refined(kinds, *result)
+            image, labels = resize_pair(read_grey(lefts[t]), found, STORED)
             images.append(image)
             maps.append(labels)
             source.append(number)
@@ -150,15 +172,13 @@ def vehicles(args: argparse.Namespace) -> None:
     images, points, labels, source = [], [], [], []
     for number, name in enumerate(args.names):
         folder = args.sequences / name
-        rig = read_rig((folder / "calib.txt").read_text())
         lefts = sorted((folder / "image_0").glob("*.png"))
         index = {p.stem: i for i, p in enumerate(lefts)}
         for path in sorted((args.training / "kitti_pseudo" / name / "label").glob("*.webp"))[:: args.step]:
             t = index[path.stem]
             if t + SPAN >= len(lefts):
                 continue
-            window = [read_grey(p) for p in lefts[t : t + SPAN + 1]]
-            result = label_frame(rig, window, *(read_grey(folder / "image_1" / lefts[i].name) for i in (t, t + SPAN)))
+            result = observed(folder, lefts, t, (SPAN,))
             if result is None:
                 continue
             kinds = stability(read_classes(path), "kitti_pseudo")
@@ -167,9 +187,9 @@ def vehicles(args: argparse.Namespace) -> None:
             kept = np.flatnonzero((kinds[row.clip(0, kinds.shape[0] - 1), column.clip(0, kinds.shape[1] - 1)] == DYNAMIC) & (label != UNKNOWN))
             one, state = np.zeros((POINTS, 2), np.float32), np.full(POINTS, UNKNOWN, np.uint8)
             kept = kept[:POINTS]
-            one[: len(kept)] = to_unit(place[kept], (window[0].shape[1], window[0].shape[0]))
+            one[: len(kept)] = to_unit(place[kept], kinds.shape[::-1])
             state[: len(kept)] = label[kept]
-            images.append(small(window[0]))
+            images.append(small(read_grey(lefts[t])))
             points.append(one)
             labels.append(state)
             source.append(number)
@@ -215,6 +235,7 @@ def main() -> None:
     two.set_defaults(run=triplets)
     three = commands.add_parser("motion", help="motion labels of stereo sequences")
     three.add_argument("--sequence", nargs="+", required=True, help="FOLDER:STEP")
+    three.add_argument("--labels", choices=("masks", "residuals"), default="masks", help="who says which vehicles move")
     add_folders(three)
     three.set_defaults(run=motion)
     five = commands.add_parser("vehicles", help="moving and standing points on vehicles of real sequences, to evaluate")

@@ -28,8 +28,8 @@ COLUMNS = ["epoch", "rate", "weight_semantic", "loss", "semantic", "dense", "spa
 
 
 def watched_towns(cache: Path) -> list[str]:
-    """Rendered towns for evaluation in the cache: those with seeds from 900 on."""
-    return sorted(p.stem for p in cache.glob("town_*_9??.npz"))
+    """Rendered towns in the cache by which settings are chosen: seeds 900 to 909; later ones are for the last figures."""
+    return sorted(p.stem for p in cache.glob("town_*_90?.npz"))
 
 
 class Labelled:
@@ -154,7 +154,7 @@ def run(config: Config, out: Path, cache: Path, threads: int) -> None:
     labelled = Labelled(sets, config.mix)
     matching = Matching.load(cache) if config.hybrid else None
     watched = [load(n, cache) for n in ("cityscapes_val", "camvid_val", "kitti_val", *watched_towns(cache))]
-    network = DSFeat().to(memory_format=torch.channels_last)
+    network = DSFeat(tuple(config.widths), tuple(config.dilations)).to(memory_format=torch.channels_last)
     optimiser = torch.optim.Adam(network.parameters(), lr=config.rate)
     schedule = torch.optim.lr_scheduler.MultiStepLR(optimiser, config.milestones, 0.1)
     first, rows = 0, []
@@ -178,7 +178,7 @@ def run(config: Config, out: Path, cache: Path, threads: int) -> None:
         print(" ".join(f"{k} {v:.4g}" for k, v in row.items()), flush=True)
         save(out / "last.pt", {
             "network": network.state_dict(), "optimiser": optimiser.state_dict(), "schedule": schedule.state_dict(),
-            "epoch": epoch, "rows": rows,
+            "epoch": epoch, "rows": rows, "widths": config.widths, "dilations": config.dilations,
         })
         write_log(out / "log.csv", rows)
     plot(rows, out / "curves.png", "hybrid" if config.hybrid else "semantic only")

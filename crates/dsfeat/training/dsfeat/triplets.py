@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from .augment import sample
-from .motion import MOVED
+from .augment import street_sample
+from .motion import MOVED, STILL
 
 #: Files that `dsfeat.prepare` writes into the cache.
 TRIPLETS, MOTION, VEHICLES = "triplets.npz", "motion.npz", "vehicles.npz"
@@ -103,5 +103,5 @@ class Matching:
         rows = [(g := groups[i % len(groups)])[rng.integers(len(g))] for i in range(size)]
         images, maps = self.frames["images"], self.frames["maps"]
         aspect = images.shape[2] / images.shape[1]
-        found = [sample(rng, images[i], maps[i], aspect) for i in rows]
+        found = [street_sample(rng, images[i], maps[i], maps[i] != STILL, aspect) for i in rows]
         return MotionBatch(np.stack([x[0] for x in found]), torch.from_numpy(np.stack([x[1] for x in found])))

@@ -53,12 +53,45 @@ def test_lonely_movers_are_dropped():
 
 def test_refined_maps_follow_the_nearest_labelled_point_on_a_vehicle():
     kinds = np.ones((60, 200), np.uint8)
-    kinds[20:40, 20:60], kinds[20:40, 120:190] = 0, 0
-    points = np.array([[40.0, 30.0], [125.0, 30.0], [70.0, 30.0]])
-    labels = np.array([motion.MOVING, motion.STATIC, motion.MOVING], np.uint8)
+    kinds[20:40, 20:60], kinds[20:40, 110:200] = 0, 0
+    points = np.array([[40.0, 30.0], [120.0, 30.0], [65.0, 30.0], [141.0, 30.0]])
+    labels = np.array([motion.MOVING, motion.STATIC, motion.MOVING, motion.MOVING], np.uint8)
     found = motion.refined(kinds, points, labels)
-    assert (found[20:40, 20:60] == motion.MOVED).all() and found[30, 70] == motion.STILL
-    assert found[30, 130] == motion.STANDING and found[30, 185] == motion.IGNORED
+    assert (found[20:40, 20:60] == motion.MOVED).all() and found[30, 65] == motion.STILL
+    # The right vehicle has points of both kinds: what is far from them stays open.
+    assert found[30, 120] == motion.STANDING and found[30, 141] == motion.MOVED and found[30, 199] == motion.IGNORED
+
+
+def test_a_region_labelled_alike_is_completed():
+    labels = np.full((30, 120), motion.STILL, np.uint8)
+    labels[5:25, 10:50], labels[5:25, 60:110] = motion.IGNORED, motion.IGNORED
+    labels[5:25, 10:30], labels[5:25, 60:65] = motion.MOVED, motion.STANDING
+    found = motion.completed(labels)
+    assert (found[5:25, 10:50] == motion.MOVED).all() and found[10, 100] == motion.IGNORED
+    assert (found == motion.STILL).sum() == (labels == motion.STILL).sum()
+
+
+def test_exact_maps_say_what_moves():
+    found = motion.exact(np.array([[0, 1, 2, 3]], np.uint8))
+    assert found.tolist() == [[motion.STILL, motion.MOVED, motion.STANDING, motion.STILL]]
+
+
+def test_points_off_vehicles_decide_where_a_truck_fills_the_view():
+    xyz, pose = street(400)
+    rng = np.random.default_rng(5)
+    # The truck is all the camera sees but for a strip at the left; it keeps its place in the camera.
+    truck = np.column_stack([rng.uniform(-5, 8, 900), rng.uniform(-2, 1.5, 900), np.full(900, 7.0)])
+    before = motion.project(RIG, np.vstack([xyz[xyz[:, 0] < -3], truck]))
+    later = np.vstack([xyz[xyz[:, 0] < -3] @ pose[0].T + pose[1], truck])
+    after = motion.project(RIG, later)
+    kinds = np.ones((376, 1241), np.uint8)
+    on = np.arange(len(before)) >= len(before) - 900
+    seen = (before[:, 0] > 0) & (before[:, 0] < 1240) & (before[:, 1] > 0) & (before[:, 1] < 375)
+    column, row = np.rint(before[seen & on, :2]).astype(int).T
+    kinds[row, column] = 0
+    tracks = np.column_stack([before, after])[seen].astype(np.float32)
+    found = motion.judged(RIG, tracks, 0.4, (1241, 376), kinds)
+    assert found is not None and (found[1][on[seen]] == motion.MOVING).mean() > 0.9
 
 
 def test_epipolar_error_of_rectified_cameras_is_the_difference_of_rows():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from dsfeat import config as configuration
-from dsfeat.network import HEIGHT, WIDTH, DSFeat, multiply_adds
+from dsfeat import augment, config as configuration
+from dsfeat.network import HEIGHT, WIDTH, DSFeat, multiply_adds, restored
 from dsfeat.data import Scenes
 from dsfeat.train import Labelled, step_losses
 from dsfeat.triplets import Matching
@@ -76,3 +76,24 @@ def test_unknown_settings_are_named(tmp_path):
     (tmp_path / "a.json").write_text(json.dumps({"epoch": 3}))
     with pytest.raises(SystemExit, match="unknown keys epoch"):
         configuration.read(tmp_path / "a.json")
+
+
+def test_a_checkpoint_brings_its_own_widths(tmp_path):
+    network = DSFeat((4, 8, 12), (1, 2))
+    state = {"network": network.state_dict(), "widths": [4, 8, 12], "dilations": [1, 2]}
+    torch.save(state, tmp_path / "last.pt")
+    image = torch.rand(1, 1, HEIGHT, WIDTH)
+    assert torch.equal(restored(tmp_path / "last.pt").eval()(image), network.eval()(image))
+
+
+def test_a_street_sample_is_never_mirrored_and_repaints_objects_only():
+    image = np.full((HEIGHT, WIDTH), 40, np.uint8)
+    image[:, : WIDTH // 2] = 200
+    objects = np.zeros(image.shape, bool)
+    objects[20:60, 40:90] = True
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        shown = augment.repaint(rng, image, objects)
+        assert np.array_equal(shown[~objects], image[~objects])
+        sample = augment.street_sample(rng, image, objects.astype(np.uint8), np.zeros_like(objects), WIDTH / HEIGHT)[0]
+        assert sample[:, :60].mean() > sample[:, -60:].mean()
