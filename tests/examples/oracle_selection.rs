@@ -12,7 +12,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use eval::{Alignment, Association};
-use features::{ActivationMap, ActivationSource, ExtractorConfig, Rig, SelectionConfig, SelectionRule, Spread};
+use features::{
+    ActivationMap, ActivationSource, ExtractorConfig, Rig, SelectionConfig, SelectionRule, Spread,
+};
 use geometry::{GrayImage, Raster};
 use io::{Sequence, StampedPose, Trajectory};
 use runtime::{ActivationFactory, RunOutcome, Selection, SequenceFeed, Setup, Silent};
@@ -39,7 +41,10 @@ fn main() -> Result<(), Failure> {
     let none = setup(&sequence, keep)?;
     report("no selection", &run(&feed, &none)?, &truth)?;
     let config = SelectionConfig { rule: SelectionRule::Semantic, keep, spread: Spread::Cells };
-    for (name, rule) in [("masks, nothing on what moves", SelectionRule::Semantic), ("masks, least there", SelectionRule::Activation)] {
+    for (name, rule) in [
+        ("masks, nothing on what moves", SelectionRule::Semantic),
+        ("masks, least there", SelectionRule::Activation),
+    ] {
         let selection = Some(Selection { config: SelectionConfig { rule, ..config }, source: masks.clone() });
         report(name, &run(&feed, &Setup { selection, ..setup(&sequence, CANDIDATES)? })?, &truth)?;
     }
@@ -109,7 +114,9 @@ impl Masks {
 fn still(mask: &GrayImage) -> Option<ActivationMap> {
     let (columns, rows) = (mask.width.div_ceil(CELL), mask.height.div_ceil(CELL));
     let values = Raster::from_fn(columns, rows, |i, j| {
-        let range = |at: usize, len: usize| (CELL * at).saturating_sub(CELL / 2)..(CELL * (at + 1) + CELL / 2).min(len);
+        let range = |at: usize, len: usize| {
+            (CELL * at).saturating_sub(CELL / 2)..(CELL * (at + 1) + CELL / 2).min(len)
+        };
         let moves = range(j, mask.height)
             .any(|y| range(i, mask.width).any(|x| mask.get(x, y) == Some(synth::LABEL_MOVING)));
         if moves { 0.0 } else { 1.0 }
