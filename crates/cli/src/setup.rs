@@ -79,7 +79,7 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
     let RuntimeSettings { lag, loop_lag } = config.runtime;
     let params = slam_params(config, run_sensor, close_depth_m);
     Ok(Setup {
-        extractor: extractor(&config.features),
+        extractor: extractor(&config.features.with_sensor(sensor)),
         stereo: stereo_association(&config.stereo),
         disparity_offset_px: config.stereo.disparity_offset_px,
         calibration_frames: config.stereo.calibration_frames,
@@ -108,10 +108,11 @@ pub(crate) fn wanted_mask(config: &Config, size: ImageSize) -> Result<Option<Gra
     Ok(Some(mask))
 }
 
-/// What is extracted; with a selection that chooses among it, the candidates.
+/// What is extracted; with a selection that chooses among it, the candidates. The settings are those of the run's sensor.
 pub(crate) fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
     let FeatureSettings {
         keep,
+        keep_mono: _,
         selection,
         candidates,
         spread: _,
@@ -207,6 +208,16 @@ mod tests {
         assert_eq!(setup.slam.mapping.neighbours, 12);
         assert_eq!(setup.slam.seed, 9);
         assert_eq!(setup.slam.tracking.close_depth_m, 20.0, "40 baselines");
+    }
+
+    #[test]
+    fn a_single_camera_keeps_features_of_its_own_number() {
+        let kept = |extra: &[&str], sensor| {
+            from_config(&config(extra), sensor, SIZE, Path::new("x")).unwrap().extractor.keep
+        };
+        let both = ["features.keep=500", "features.keep_mono=1500"];
+        assert_eq!([Sensor::Mono, Sensor::Stereo].map(|sensor| kept(&both, sensor)), [1500, 500]);
+        assert_eq!(kept(&both[..1], Sensor::Mono), 500, "absent: as many as of the others");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::{Call, command, dsslam, ended, text};
+use crate::program::{Call, command, dsslam, ended, needs_onnxruntime, text};
 use crate::sequence::{Copy, rendered};
 
 const ACTIVATION: [&str; 4] = ["--set", "features.selection=activation", "--set", "features.keep=500"];
@@ -12,11 +12,7 @@ const ACTIVATION: [&str; 4] = ["--set", "features.selection=activation", "--set"
 /// A call that needs ONNX Runtime; `None`, said aloud, where that is not installed.
 fn with_network(args: &[&str]) -> Option<Call> {
     let call = dsslam(args);
-    if call.code == 2 && call.stderr.contains("was found neither beside the program") {
-        println!("skipped: ONNX Runtime is not installed");
-        return None;
-    }
-    Some(call)
+    (!needs_onnxruntime(&call)).then_some(call)
 }
 
 fn checksums(out: &Path) -> [String; 2] {

@@ -61,6 +61,8 @@ pub struct InputSettings {
 pub struct FeatureSettings {
     /// Keypoints kept per image.
     pub keep: usize,
+    /// Keypoints kept per image of a single camera, where they are not as many.
+    pub keep_mono: Option<usize>,
     /// By what they are chosen.
     pub selection: FeatureSelection,
     /// Keypoints among which a network chooses.
@@ -79,6 +81,18 @@ pub struct FeatureSettings {
     pub fast_minimum: u8,
     /// Whether keypoints are refined below one pixel.
     pub subpixel: bool,
+}
+
+impl FeatureSettings {
+    /// The settings of a run with this sensor: `keep` is the number kept with it.
+    #[must_use]
+    pub fn with_sensor(&self, sensor: Sensor) -> Self {
+        let keep = match sensor {
+            Sensor::Mono => self.keep_mono.unwrap_or(self.keep),
+            Sensor::Stereo | Sensor::Rgbd => self.keep,
+        };
+        FeatureSettings { keep, ..self.clone() }
+    }
 }
 
 /// By what features are chosen among the candidates of an image.

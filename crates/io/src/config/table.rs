@@ -29,6 +29,7 @@ pub const SCHEMA: &[Entry] = &[
     real("input.association_tolerance_s", 0.02, "s", above(0.0), "largest time between a colour image and its depth image"),
 
     integer("features.keep", 2000, "", [50, 100_000], "keypoints kept per image"),
+    optional_integer("features.keep_mono", "", [50, 100_000], "keypoints kept of a single camera, whose maps need more of them; absent: keep"),
     choice("features.selection", "response", &["activation", "semantic", "response"], "by what they are chosen; the first two need ONNX Runtime"),
     integer("features.candidates", 2000, "", [50, 100_000], "keypoints among which activation or semantic choose"),
     choice("features.spread", "cells", &["cells", "anywhere"], "those chosen by activation or semantic: the best of each cell, or of the image"),
