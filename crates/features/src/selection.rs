@@ -5,8 +5,8 @@ use crate::quadtree::{Corner, Quadtree};
 
 /// Activation below this belongs to what moves.
 const TRUSTED: f32 = 0.5;
-/// Share of the features kept that is taken from places below it: near hedges and parked cars say much about the motion of
-/// the camera, and a network errs; so few features do not outweigh the others where they do move.
+/// Share of the features that places below it keep, of as many as they would have without a network: near hedges and parked cars
+/// say much about the motion of the camera, and a network errs; so few features do not outweigh the others where they do move.
 const RESERVE: f32 = 0.25;
 /// Features per cell. Of a larger cell stronger corners are kept, which are found again more often.
 const PER_CELL: usize = 4;
@@ -58,7 +58,7 @@ pub struct Contender {
 
 /// The contenders kept, as ascending indices, and the activation of each of them.
 ///
-/// Under [`SelectionRule::Activation`] places below `TRUSTED` get `RESERVE` of what is kept, and more only where there are
+/// Under [`SelectionRule::Activation`] places below `TRUSTED` get `RESERVE` of their share, and more only where there are
 /// too few trusted ones; under [`SelectionRule::Semantic`] they get nothing. Both groups are spread over the image of `size`
 /// pixels. Ties go to the lower index.
 #[must_use]
@@ -83,7 +83,8 @@ pub fn select(
     let n_others = match config.rule {
         SelectionRule::Semantic => 0,
         SelectionRule::Activation => {
-            let reserve = (RESERVE * config.keep as f32) as usize;
+            let share = others.len() as f32 / contenders.len().max(1) as f32;
+            let reserve = (RESERVE * share * config.keep as f32) as usize;
             others.len().min(reserve.max(config.keep.saturating_sub(trusted.len())))
         }
     };
