@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use ::export::{ColmapFiles, PlyFrame, Scene, SceneImages, Tint};
 use anyhow::{Context, anyhow, ensure};
 use clap::{Args, ValueEnum};
+use geometry::SE3;
 use io::{OpenOptions, Sensor};
 use map::MapFileInfo;
 
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::files::folder_of;
+use crate::trajectories::{body_of_text, of_body};
 
 /// Arguments of `dsslam export`.
 #[derive(Debug, Args)]
@@ -45,11 +47,12 @@ enum Format {
     Colmap,
     /// transforms.json, sparse_pc.ply, images/.
     Nerfstudio,
-    /// Poses of the keyframes: seconds, position, quaternion.
+    /// Poses of the left camera at the keyframes: seconds, position, quaternion.
     Tum,
-    /// Poses of the keyframes: a 3x4 matrix per row.
+    /// Poses of the left camera at the keyframes: a 3x4 matrix per row.
     Kitti,
-    /// Poses of the keyframes: nanoseconds, position, quaternion, with commas.
+    /// Poses at the keyframes, of the body as in EuRoC's ground truth where the map tells its place (stereo maps of EuRoC
+    /// folders), else of the left camera: nanoseconds, position, quaternion, with commas.
     Euroc,
 }
 
@@ -84,7 +87,8 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Exit, Failure> {
         Format::Ply => write_ply(args, &scene, images.as_ref())?,
         Format::Colmap => write_colmap(args, &scene, images.as_ref())?,
         Format::Nerfstudio => write_nerfstudio(args, &scene, images.as_ref())?,
-        Format::Tum | Format::Kitti | Format::Euroc => write_trajectory(args, &scene).or_output()?,
+        Format::Tum | Format::Kitti => write_trajectory(args, &scene, None)?,
+        Format::Euroc => write_trajectory(args, &scene, body(args, &info).or_input()?)?,
     }
     Ok(Exit::Done)
 }
@@ -230,15 +234,26 @@ fn tell_of_images(images: Option<&SceneImages>, folder: &Path) {
     }
 }
 
-fn write_trajectory(args: &ExportArgs, scene: &Scene) -> anyhow::Result<()> {
-    let trajectory = ::export::trajectory(scene);
-    io::create_output_folder(folder_of(&args.out))?;
+/// The left camera in the body.
+fn body(args: &ExportArgs, info: &MapFileInfo) -> anyhow::Result<Option<SE3>> {
+    body_of_text(&info.body_from_left).with_context(|| args.map.display().to_string())
+}
+
+/// Poses of the body where it is given, else of the left camera.
+fn write_trajectory(args: &ExportArgs, scene: &Scene, body_from_left: Option<SE3>) -> Result<(), Failure> {
+    let left = ::export::trajectory(scene);
+    let (trajectory, whose) = match body_from_left {
+        Some(body_from_left) => (of_body(&left, &body_from_left), "body"),
+        None => (left, "left camera"),
+    };
+    io::create_output_folder(folder_of(&args.out)).or_output()?;
     match args.to {
-        Format::Kitti => io::write_kitti(&args.out, &trajectory)?,
-        Format::Euroc => io::write_euroc(&args.out, &trajectory)?,
-        _ => io::write_tum(&args.out, &trajectory)?,
+        Format::Kitti => io::write_kitti(&args.out, &trajectory),
+        Format::Euroc => io::write_euroc(&args.out, &trajectory),
+        _ => io::write_tum(&args.out, &trajectory),
     }
-    written(&format!("{} poses of the left camera", trajectory.poses.len()), &args.out);
+    .or_output()?;
+    written(&format!("{} poses of the {whose}", trajectory.poses.len()), &args.out);
     Ok(())
 }
 

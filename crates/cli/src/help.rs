@@ -140,7 +140,9 @@ Examples:
   dsslam run kitti/sequences/06 --save-map street.dsmap
   dsslam export street.dsmap --to ply -o street.ply
   dsslam export street.dsmap --to colmap --images kitti/sequences/06 -o colmap
-  dsslam export street.dsmap --to tum -o keyframes.txt",
+  dsslam export street.dsmap --to tum -o keyframes.txt
+  dsslam run MH_01_easy --config configs/euroc.yaml --save-map hall.dsmap
+  dsslam export hall.dsmap --to euroc -o body.csv  # poses of the body, as the ground truth's",
     )
 }
 

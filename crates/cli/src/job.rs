@@ -22,7 +22,7 @@ use crate::results::ResultsFolder;
 use crate::show::{Audience, true_poses};
 use crate::summary::{self, Checksums, Summary};
 use crate::tables::{frames_csv, loops_csv, timings_csv};
-use crate::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
+use crate::trajectories::{body_records, body_text, own_pose, pose_per_frame, tracked_poses};
 
 /// True poses of the left camera at the frames, in the frame of the ground truth.
 pub(crate) const TRUTH_FILE: &str = "ground_truth.tum.txt";
@@ -171,6 +171,7 @@ fn write_extras(job: &Job<'_>, outcome: &RunOutcome) -> Result<Option<String>> {
         sequence: job.context.sequence.clone(),
         configuration: job.config_yaml.clone(),
         vocabulary_sha256: vocabulary.map_or(String::new(), |vocabulary| sha256(vocabulary.as_bytes())),
+        body_from_left: body_text(job.context.sensor, &job.body_from_left),
     };
     Ok(Some(sha256(&places::save_map(file, &outcome.map, &info)?)))
 }

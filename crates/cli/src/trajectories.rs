@@ -1,5 +1,6 @@
 //! From the records of a run to the trajectories that are written and evaluated.
 
+use anyhow::{Context, Result};
 use geometry::SE3;
 use io::{Sensor, StampedPose, Trajectory};
 use runtime::FrameRecord;
@@ -34,7 +35,7 @@ pub(crate) fn body_records(
     sensor: Sensor,
     body_from_left: &SE3,
 ) -> Option<Vec<FrameRecord>> {
-    if sensor == Sensor::Mono || *body_from_left == SE3::identity() {
+    if !has_body(sensor, body_from_left) {
         return None;
     }
     let cam_from_body = body_from_left.inverse();
@@ -43,6 +44,43 @@ pub(crate) fn body_records(
         ..record.clone()
     };
     Some(records.iter().map(of_body).collect())
+}
+
+/// Whether there is a body other than the left camera, and a scale to measure the way to it with.
+fn has_body(sensor: Sensor, body_from_left: &SE3) -> bool {
+    sensor != Sensor::Mono && *body_from_left != SE3::identity()
+}
+
+/// The left camera in the body as a map's file tells it; each number reads back as the same.
+pub(crate) fn body_text(sensor: Sensor, body_from_left: &SE3) -> String {
+    if !has_body(sensor, body_from_left) {
+        return String::new();
+    }
+    body_from_left.rows_3x4().map(|number| number.to_string()).join(" ")
+}
+
+/// The left camera in the body, of a map's file; `None` where it tells of no body.
+///
+/// # Errors
+/// A text that is no pose.
+pub(crate) fn body_of_text(text: &str) -> Result<Option<SE3>> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    if words.is_empty() {
+        return Ok(None);
+    }
+    let numbers = words.iter().map(|word| word.parse()).collect::<Result<Vec<f64>, _>>();
+    let rows = numbers.ok().and_then(|numbers| <[f64; 12]>::try_from(numbers).ok());
+    let pose = rows.map(|rows| SE3::from_rows_3x4(&rows));
+    let is_rigid =
+        |pose: &SE3| pose.is_finite() && (pose.matrix() - pose.normalized().matrix()).amax() < 1e-6;
+    let pose = pose.filter(is_rigid);
+    pose.with_context(|| format!("body_from_left: found `{text}`, expected the 12 numbers of a 3x4 pose"))
+        .map(Some)
+}
+
+/// Poses of the body, from those of the left camera.
+pub(crate) fn of_body(left: &Trajectory, body_from_left: &SE3) -> Trajectory {
+    of_left_camera(left, &body_from_left.inverse())
 }
 
 /// Poses of the left camera, from those of the body.
@@ -83,5 +121,27 @@ pub(crate) mod tests {
         assert_eq!(x(&pose_per_frame(&records)), [0.0, 1.0, 1.0, 1.0, 4.0]);
         assert_eq!(x(&tracked_poses(&records)), [1.0, 4.0]);
         assert_eq!(tracked_poses(&records).poses[1].timestamp_s, 0.4);
+    }
+
+    #[test]
+    fn the_body_of_a_map_reads_back_as_it_was() {
+        let body = SE3::new(SO3::exp(&Vec3::new(0.1, -1.2, 0.3)), Vec3::new(1.0 / 3.0, -2e-17, 5.0));
+        let text = body_text(Sensor::Stereo, &body);
+        assert_eq!(body_of_text(&text).unwrap(), Some(body));
+        for (sensor, pose) in [(Sensor::Mono, &body), (Sensor::Stereo, &SE3::identity())] {
+            assert_eq!(body_of_text(&body_text(sensor, pose)).unwrap(), None);
+        }
+        for wrong in
+            ["1 2 3", "1 0 0 x 0 1 0 0 0 0 1 0", "2 0 0 0 0 1 0 0 0 0 1 0", "NaN 0 0 0 0 1 0 0 0 0 1 0"]
+        {
+            let message = body_of_text(wrong).unwrap_err().to_string();
+            assert!(message.ends_with("expected the 12 numbers of a 3x4 pose"), "{message}");
+        }
+        let left = Trajectory { poses: vec![StampedPose { timestamp_s: 0.0, world_from_cam: body }] };
+        let found = of_body(&left, &body).poses[0].world_from_cam;
+        assert!(
+            found.log().norm() < 1e-12,
+            "the camera is where the body sees it, so the body is at the origin"
+        );
     }
 }

@@ -169,3 +169,29 @@ fn depth_images_are_not_written_for_raw_cameras() {
     call.expect(2, "error: --masks and --depth need --layout kitti");
     assert!(!out.exists());
 }
+
+#[test]
+fn an_exported_euroc_trajectory_is_that_of_the_body() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let [results, map, poses] = ["results", "hall.dsmap", "body.csv"].map(file);
+    let export = |sensor: &str, to: &str| {
+        let call = ["run", text(rendered_radtan()), "--out", text(&results), "--save-map", text(&map)];
+        dsslam(&[&call[..], &["--sensor", sensor]].concat()).expect_success();
+        let call = dsslam(&["export", text(&map), "--to", to, "-o", text(&poses)]);
+        call.expect_success();
+        call.stdout
+    };
+    assert!(export("stereo", "euroc").contains("poses of the body)"));
+    let exported = io::read_euroc(&poses).unwrap();
+    let body = io::read_tum(&results.join("trajectory_body.tum.txt")).unwrap();
+    assert!(exported.poses.len() >= 2);
+    for pose in &exported.poses {
+        // Times are written with six digits there, with nine here.
+        let same = body.poses.iter().find(|p| (p.timestamp_s - pose.timestamp_s).abs() < 1e-5).unwrap();
+        let gap = (same.world_from_cam.inverse() * pose.world_from_cam).log().norm();
+        assert!(gap < 1e-6, "{gap}");
+    }
+    assert!(export("mono", "euroc").contains("poses of the left camera)"), "no scale, no way to the body");
+    assert!(export("stereo", "tum").contains("poses of the left camera)"));
+}

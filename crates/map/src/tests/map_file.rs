@@ -18,6 +18,7 @@ fn info() -> MapFileInfo {
         sequence: "Straße \"06\"".to_owned(),
         configuration: "orb:\n  features: 2000\n".to_owned(),
         vocabulary_sha256: String::new(),
+        body_from_left: "1 0 0 0.5 0 1 0 0 0 0 1 0".to_owned(),
     }
 }
 
