@@ -85,18 +85,7 @@ if [ -n "$prefix" ]; then
 fi
 if [ -n "$video" ]; then
   echo "      dsslam-video"
-  missing=()
-  command -v g++ >/dev/null 2>&1 || missing+=(g++)
-  command -v pkg-config >/dev/null 2>&1 || missing+=(pkg-config)
-  command -v clang >/dev/null 2>&1 || missing+=(clang)
-  pkg-config --exists opencv4 2>/dev/null || missing+=(libopencv-dev)
-  if [ ${#missing[@]} -gt 0 ]; then
-    command -v apt-get >/dev/null 2>&1 || fail "no apt-get: install ${missing[*]} with your package manager and try again"
-    sudo=; [ "$(id -u)" = 0 ] || sudo=sudo
-    echo "      installing the packages ${missing[*]}"
-    $sudo apt-get update -qq
-    $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
-  fi
+  crates/cv/get-opencv.sh
   cargo build --release --locked -p cv --features video --bin dsslam-video
   helper=${CARGO_TARGET_DIR:-target}/release/dsslam-video
   [ -z "$prefix" ] || install -m 755 "$helper" "$prefix/bin/dsslam-video"

@@ -13,18 +13,7 @@ case "${1:-}" in
 esac
 
 # The OpenCV reference (crates/cv) needs Debian's packages; the program itself does not.
-missing=()
-command -v g++ >/dev/null 2>&1 || missing+=(g++)
-command -v pkg-config >/dev/null 2>&1 || missing+=(pkg-config)
-command -v clang >/dev/null 2>&1 || missing+=(clang)
-pkg-config --exists opencv4 2>/dev/null || missing+=(libopencv-dev)
-if [ ${#missing[@]} -gt 0 ]; then
-  echo "== installing ${missing[*]}"
-  command -v apt-get >/dev/null 2>&1 || { echo "test.sh: no apt-get: install ${missing[*]} with your package manager" >&2; exit 1; }
-  sudo=; [ "$(id -u)" = 0 ] || sudo=sudo
-  $sudo apt-get update -qq
-  $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
-fi
+crates/cv/get-opencv.sh
 
 # The activation network needs ONNX Runtime; without it its tests say that they were skipped.
 crates/dsfeat/get-onnxruntime.sh || true
