@@ -2,17 +2,15 @@
 
 use std::fmt::Write as _;
 
-use anyhow::anyhow;
-use dsfeat::{Network, heat_map};
-use features::{ActivationMap, ActivationSource, Extractor, Keypoint, SelectionConfig};
+use dsfeat::heat_map;
+use features::Keypoint;
 use geometry::{GrayImage, Raster};
-use io::{Config, FeatureSelection};
+use io::FeatureSelection;
 
+use crate::args::ActivationArgs;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::network;
-use crate::network_args::ActivationArgs;
-use crate::setup;
+use crate::selected::Selected;
 
 /// Colours of kept and dropped features.
 const KEPT: [u8; 3] = [40, 230, 60];
@@ -26,76 +24,37 @@ const GAP: usize = 6;
 /// An image, a configuration or a network that cannot be used; a picture that cannot be written.
 pub(crate) fn run(args: &ActivationArgs) -> Result<Exit, Failure> {
     let image = io::load_gray(&args.image).or_input()?;
-    let mut config = Config::load(args.config.as_deref(), &args.overrides).or_input()?;
+    let mut config = args.settings.load().or_input()?;
     config.features.keep = args.keep as usize;
     if config.features.selection == FeatureSelection::Response {
         config.features.selection = FeatureSelection::Activation;
     }
-    let (mut net, selection) = network::open(&config.features, &args.network).or_input()?;
-    let map = net.activation(&image).or_input()?;
-    let mut extractor = Extractor::new(setup::extractor(&config.features));
-    let candidates = extractor.extract(&image).keypoints;
-    let chosen = extractor.extract_selected(&image, &selection, &mut Known(map.clone()));
-    let (kept, _) = chosen.map_err(|reason| anyhow!(reason)).or_input()?;
-    let dropped = without(&candidates, &kept.keypoints);
+    let selected = Selected::of(&image, &config.features, &args.network).or_input()?;
     let picture = beside(&[
         grey(&image),
-        heat_map(&image, &map),
-        features_drawn(&image, &[(&dropped, DROPPED), (&kept.keypoints, KEPT)]),
+        heat_map(&image, &selected.map),
+        features_drawn(&image, &[(&selected.dropped, DROPPED), (&selected.kept.keypoints, KEPT)]),
     ]);
     io::save_png_rgb(&args.out, &picture).or_output()?;
-    console::say(report(&net, &selection, &map, &kept.keypoints, &dropped).trim_end());
+    console::say(report(&selected).trim_end());
     console::say(format!("written    {}", args.out.display()));
     Ok(Exit::Done)
 }
 
-/// A map that has been made already.
-#[derive(Debug)]
-pub(crate) struct Known(pub(crate) ActivationMap);
-
-impl ActivationSource for Known {
-    fn activation(&mut self, _: &GrayImage) -> Result<ActivationMap, String> {
-        Ok(self.0.clone())
-    }
-}
-
-fn report(
-    net: &Network,
-    selection: &SelectionConfig,
-    map: &ActivationMap,
-    kept: &[Keypoint],
-    dropped: &[Keypoint],
-) -> String {
-    let mean = |features: &[Keypoint]| {
-        let sum: f64 = features.iter().map(|k| f64::from(map.at(k.x, k.y))).sum();
-        sum / (features.len().max(1)) as f64
-    };
-    let values = &map.values().data;
-    let trusted = values.iter().filter(|&&v| v >= 0.5).count() as f64 / values.len() as f64;
-    let (width, height) = net.input_size();
+fn report(selected: &Selected) -> String {
+    let (map, rule) = (selected.map.values(), &selected.rule);
+    let trusted = map.data.iter().filter(|&&v| v >= 0.5).count() as f64 / map.data.len() as f64;
+    let (width, height) = selected.network.input_size();
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "network    {width} x {height} pixels, map {} x {}",
-        map.values().width,
-        map.values().height
-    );
-    let _ = writeln!(
-        text,
-        "rule       {:?}, spread {:?}, at most {}",
-        selection.rule, selection.spread, selection.keep
-    );
+    let _ = writeln!(text, "network    {width} x {height} pixels, map {} x {}", map.width, map.height);
+    let _ = writeln!(text, "rule       {:?}, spread {:?}, at most {}", rule.rule, rule.spread, rule.keep);
     let _ = writeln!(text, "trusted    {:.1} % of the image", 100.0 * trusted);
-    let _ = writeln!(text, "kept       {} features, mean activation {:.3}", kept.len(), mean(kept));
-    let _ = writeln!(text, "dropped    {} features, mean activation {:.3}", dropped.len(), mean(dropped));
+    for (name, features) in [("kept", &selected.kept.keypoints), ("dropped", &selected.dropped)] {
+        let mean = selected.mean_activation(features);
+        let _ = writeln!(text, "{name:<10} {} features, mean activation {mean:.3}", features.len());
+    }
     text
-}
-
-/// Those of `all` that are not in `some`; both in the same order.
-fn without(all: &[Keypoint], some: &[Keypoint]) -> Vec<Keypoint> {
-    let mut some = some.iter().peekable();
-    all.iter().filter(|k| some.next_if(|s| s == k).is_none()).copied().collect()
 }
 
 fn grey(image: &GrayImage) -> io::Rgb {
@@ -150,14 +109,6 @@ mod tests {
 
     fn at(x: f32) -> Keypoint {
         Keypoint { x, y: 1.0, ..Keypoint::default() }
-    }
-
-    #[test]
-    fn what_is_not_kept_is_dropped() {
-        let all = [at(1.0), at(2.0), at(3.0), at(4.0)];
-        assert_eq!(without(&all, &[at(2.0), at(4.0)]), [at(1.0), at(3.0)]);
-        assert_eq!(without(&all, &[]), all);
-        assert!(without(&all, &all).is_empty());
     }
 
     #[test]

@@ -7,13 +7,12 @@ use io::{Calibration, Config, ImageSize, LoadedFrame, Sensor, StampedPose, Traje
 use runtime::{FrameFeed, FrameInfo};
 use synth::World;
 
-use crate::args::DemoArgs;
+use crate::args::{DemoArgs, NetworkArgs};
 use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::job::{self, Job};
 use crate::network;
-use crate::network_args::NetworkArgs;
 use crate::places::{self, Extras};
 use crate::render;
 use crate::results::ResultsFolder;

@@ -11,7 +11,7 @@ use io::{FeatureSelection, FeatureSettings, FeatureSpread};
 use runtime::{ActivationFactory, Selection};
 use sha2::{Digest, Sha256};
 
-use crate::network_args::NetworkArgs;
+use crate::args::NetworkArgs;
 
 /// Opens networks for a run.
 #[derive(Debug)]

@@ -27,7 +27,7 @@ use crate::video_feed::VideoFeed;
 /// A configuration, a dataset or an output folder that cannot be used.
 pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let watch = StopWatch::start();
-    let mut config = Config::load(args.config.as_deref(), &overrides(args)).or_input()?;
+    let mut config = args.settings.load_with(&no_loops(args)).or_input()?;
     let source = Source::open(args, &config)?;
     let sequence = source.sequence().clone();
     let mut notices = sequence.warnings.clone();
@@ -84,10 +84,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     job::execute(job, &stop).map(|(_, exit)| exit)
 }
 
-/// The keys that the arguments override.
-fn overrides(args: &RunArgs) -> Vec<String> {
-    let no_loops = args.no_loops.then(|| "loops.enabled=false".to_owned());
-    args.overrides.iter().cloned().chain(no_loops).collect()
+/// What `--no-loops` overrides.
+fn no_loops(args: &RunArgs) -> Vec<String> {
+    args.no_loops.then(|| "loops.enabled=false".to_owned()).into_iter().collect()
 }
 
 /// Where the frames come from.

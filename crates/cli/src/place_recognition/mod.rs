@@ -12,11 +12,11 @@ use std::path::Path;
 
 use anyhow::Context;
 use eval::{Detection, LoopTruth, PrecisionRecallCurve, precision_recall};
-use io::{Config, open_sequence};
+use io::open_sequence;
 
+use crate::args::{PlaceSelection, PlacesArgs};
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::network_args::{PlaceSelection, PlacesArgs};
 use crate::places;
 use selections::Describer;
 use sight::{Memory, Sight};
@@ -50,7 +50,7 @@ pub(crate) struct Outcome {
 /// # Errors
 /// A sequence without ground truth or revisits, a network that cannot be used, a folder that cannot be written.
 pub(crate) fn run(args: &PlacesArgs) -> Result<Exit, Failure> {
-    let config = Config::load(args.config.as_deref(), &args.overrides).or_input()?;
+    let config = args.settings.load().or_input()?;
     let sequence = open_sequence(&args.sequence, None).or_input()?;
     let selections: Vec<PlaceSelection> =
         if args.selection.is_empty() { PlaceSelection::ALL.to_vec() } else { args.selection.clone() };

@@ -12,9 +12,9 @@ use geometry::{GrayImage, Raster, Vec2};
 use io::{FeatureSelection, FeatureSettings};
 
 use super::sight::{Look, Sight};
-use crate::activation::Known;
+use crate::args::{PlaceSelection, PlacesArgs};
 use crate::network;
-use crate::network_args::{PlaceSelection, PlacesArgs};
+use crate::selected::Known;
 use crate::setup;
 
 /// Turns an image into what each selection keeps of it.

@@ -5,7 +5,7 @@ use eval::{LoopTruth, SamePlace, read_trajectory_file};
 use geometry::SE3;
 use io::{Sequence, Trajectory};
 
-use crate::network_args::PlacesArgs;
+use crate::args::PlacesArgs;
 
 /// Largest time between a frame and its true pose, seconds.
 const TOLERANCE_S: f64 = 0.02;

@@ -1,18 +1,25 @@
-//! `dsslam features`: the key-points of an image.
+//! `dsslam features`: the key-points of an image, and of a selection by activation also those that it drops.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use draw::{Canvas, PALETTE, Strip, Stroke, Swatch};
-use features::{Extractor, ExtractorConfig, Features, Keypoint};
+use draw::{Canvas, Color, PALETTE, Strip, Stroke, Swatch};
+use features::{Extractor, Keypoint};
 use geometry::{GrayImage, Vec2};
+use io::{FeatureSelection, FeatureSettings};
 
-use super::input::{self, SettingsArgs};
+use super::input::{self, FrameArgs};
 use super::{row, save, zoom_for};
+use crate::args::{NetworkArgs, SettingsArgs};
 use crate::exit::{Exit, Failure, OrExit};
+use crate::selected::Selected;
+use crate::setup;
 
 /// Radius of a ring in pixels of its key-point's level: a quarter of the patch that is described, so that rings stay apart.
 const RING_PX: f64 = 4.0;
+/// Colours of what a selection keeps and drops.
+const KEPT: Color = [0, 225, 150];
+const DROPPED: Color = [255, 95, 30];
 
 /// Arguments of `dsslam features`.
 #[derive(Debug, Args)]
@@ -20,47 +27,112 @@ pub(crate) struct FeaturesArgs {
     /// An image, or the folder of a sequence.
     #[arg(value_name = "IMAGE|SEQUENCE")]
     input: PathBuf,
-    /// Number of the sequence's frame; by default its first.
-    #[arg(long, value_name = "N")]
-    frame: Option<u32>,
-    /// The picture to write (PNG).
-    #[arg(short, long, value_name = "PNG")]
-    out: PathBuf,
+    /// Which frame, and the picture.
+    #[command(flatten)]
+    picture: FrameArgs,
     /// The configuration.
     #[command(flatten)]
     settings: SettingsArgs,
+    /// The network that selects features.
+    #[command(flatten)]
+    network: NetworkArgs,
+}
+
+/// What is drawn.
+struct Found {
+    features: Vec<Keypoint>,
+    /// What the selection drops; `None` where all that is extracted is kept.
+    selected: Option<Selected>,
 }
 
 impl FeaturesArgs {
-    /// Extracts, counts and draws.
+    /// Extracts, selects, counts and draws.
     ///
     /// # Errors
-    /// An image or a configuration that cannot be used, a picture that cannot be written.
+    /// An image, a configuration or a network that cannot be used, a picture that cannot be written.
     pub(crate) fn run(&self) -> Result<Exit, Failure> {
         let config = self.settings.load().or_input()?;
-        let extraction = input::extractor(&config);
-        let picture = input::picture(&self.input, self.frame, config).or_input()?;
-        let features = Extractor::new(extraction.clone()).extract(&picture.image);
-        let counts = count(&features, extraction.levels);
-        row("image", &format!("{} ({}x{})", picture.name, picture.image.width, picture.image.height));
-        row("features", &format!("{} of at most {}", features.keypoints.len(), extraction.keep));
+        let settings = config.features.clone();
+        let picture = input::picture(&self.input, self.picture.frame, config).or_input()?;
+        let found = self.find(&picture.image, &settings)?;
+        let size = format!("{}x{}", picture.image.width, picture.image.height);
+        row("image", &format!("{} ({size})", picture.name));
+        row("features", &format!("{} of at most {}", found.features.len(), settings.keep));
+        found.tell_selection();
+        let counts = count(&found.features, settings.levels);
         row("by octave", &counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" "));
-        row("response", &responses(&features));
-        save(&self.out, &drawn(&picture.image, &picture.name, &features, &extraction))
+        row("response", &responses(&found.features));
+        save(&self.picture.out, &found.drawn(&picture.image, &picture.name, &settings))
+    }
+
+    fn find(&self, image: &GrayImage, settings: &FeatureSettings) -> Result<Found, Failure> {
+        if settings.selection == FeatureSelection::Response {
+            let features = Extractor::new(setup::extractor(settings)).extract(image).keypoints;
+            return Ok(Found { features, selected: None });
+        }
+        let selected = Selected::of(image, settings, &self.network).or_input()?;
+        Ok(Found { features: selected.kept.keypoints.clone(), selected: Some(selected) })
+    }
+}
+
+impl Found {
+    /// Counts of what the selection keeps and drops.
+    fn tell_selection(&self) {
+        let Some(selected) = &self.selected else {
+            row("selection", "response: all that are extracted are kept");
+            return;
+        };
+        let rule = format!("{:?}", selected.rule.rule).to_lowercase();
+        row(
+            "selection",
+            &format!("{rule}, among {} candidates", self.features.len() + selected.dropped.len()),
+        );
+        for (name, of) in [("kept", &self.features), ("dropped", &selected.dropped)] {
+            row(name, &format!("{}, mean activation {:.3}", of.len(), selected.mean_activation(of)));
+        }
+    }
+
+    /// What is dropped first, then large rings, so that small ones stay visible.
+    fn drawn(&self, image: &GrayImage, name: &str, settings: &FeatureSettings) -> Canvas {
+        let zoom = zoom_for(image.width);
+        let mut canvas = Canvas::of_gray(image, zoom);
+        canvas.wash([0, 0, 0], 0.25);
+        let dropped = self.selected.iter().flat_map(|selected| &selected.dropped);
+        dropped.for_each(|keypoint| canvas.disc(&Canvas::magnified(&pixel(keypoint), zoom), 2.2, DROPPED));
+        for keypoint in self.features.iter().rev() {
+            let color = if self.selected.is_some() { KEPT } else { color(keypoint.octave.into()) };
+            mark(&mut canvas, keypoint, zoom, settings.scale_factor, color);
+        }
+        let n = self.features.len();
+        let strip = match &self.selected {
+            None => Strip {
+                title: format!("{name}: {n} ORB features; ring: scale, line: orientation"),
+                swatches: octaves(&count(&self.features, settings.levels)),
+            },
+            Some(selected) => Strip {
+                title: format!("{name}: {n} ORB features selected; ring: scale, line: orientation"),
+                swatches: vec![
+                    Swatch::kind(KEPT, format!("kept: {n}")),
+                    Swatch::kind(DROPPED, format!("dropped: {}", selected.dropped.len())),
+                ],
+            },
+        };
+        let strip = strip.drawn(canvas.image.width);
+        Canvas::stacked(&[canvas, strip])
     }
 }
 
 /// Key-points per octave.
-fn count(features: &Features, levels: usize) -> Vec<usize> {
+fn count(features: &[Keypoint], levels: usize) -> Vec<usize> {
     let mut counts = vec![0; levels];
-    for keypoint in &features.keypoints {
+    for keypoint in features {
         counts[usize::from(keypoint.octave)] += 1;
     }
     counts
 }
 
-fn responses(features: &Features) -> String {
-    let mut responses: Vec<f32> = features.keypoints.iter().map(|k| k.response).collect();
+fn responses(features: &[Keypoint]) -> String {
+    let mut responses: Vec<f32> = features.iter().map(|k| k.response).collect();
     responses.sort_by(f32::total_cmp);
     match (responses.first(), responses.get(responses.len() / 2), responses.last()) {
         (Some(least), Some(median), Some(most)) => format!("{least} to {most}, median {median}"),
@@ -68,34 +140,25 @@ fn responses(features: &Features) -> String {
     }
 }
 
-/// Large rings first, so that small ones stay visible.
-fn drawn(image: &GrayImage, name: &str, features: &Features, extraction: &ExtractorConfig) -> Canvas {
-    let zoom = zoom_for(image.width);
-    let mut canvas = Canvas::of_gray(image, zoom);
-    canvas.wash([0, 0, 0], 0.25);
-    for keypoint in features.keypoints.iter().rev() {
-        mark(&mut canvas, keypoint, zoom, extraction.scale_factor);
-    }
-    let counts = count(features, extraction.levels);
+fn octaves(counts: &[usize]) -> Vec<Swatch> {
     let octave = |(octave, n): (usize, &usize)| Swatch::kind(color(octave), format!("octave {octave}: {n}"));
-    let strip = Strip {
-        title: format!("{name}: {} ORB features; ring: scale, line: orientation", features.keypoints.len()),
-        swatches: counts.iter().enumerate().map(octave).collect(),
-    };
-    let strip = strip.drawn(canvas.image.width);
-    Canvas::stacked(&[canvas, strip])
+    counts.iter().enumerate().map(octave).collect()
 }
 
-fn color(octave: usize) -> draw::Color {
+fn color(octave: usize) -> Color {
     PALETTE[octave % PALETTE.len()]
 }
 
-fn mark(canvas: &mut Canvas, keypoint: &Keypoint, zoom: usize, scale_factor: f32) {
-    let at = Canvas::magnified(&Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y)), zoom);
-    let scale = f64::from(scale_factor).powi(i32::from(keypoint.octave));
+fn pixel(keypoint: &Keypoint) -> Vec2 {
+    Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y))
+}
+
+fn mark(canvas: &mut Canvas, keypoint: &Keypoint, zoom: usize, scale_factor: f64, color: Color) {
+    let at = Canvas::magnified(&pixel(keypoint), zoom);
+    let scale = scale_factor.powi(i32::from(keypoint.octave));
     let radius_px = RING_PX * scale * zoom as f64;
     let (sin, cos) = f64::from(keypoint.angle_deg).to_radians().sin_cos();
-    let stroke = Stroke { color: color(usize::from(keypoint.octave)), width_px: 1.2 };
+    let stroke = Stroke { color, width_px: 1.2 };
     canvas.ring(&at, radius_px, stroke);
     canvas.line(&at, &(at + Vec2::new(cos, sin) * radius_px), stroke);
 }

@@ -11,15 +11,15 @@ use runtime::{FrameFeed, Preparation, SequenceFeed, Setup};
 
 use crate::setup;
 
-/// The configuration of a stage tool.
+/// A frame, and where its picture goes.
 #[derive(Debug, Args)]
-pub(crate) struct SettingsArgs {
-    /// Configuration file (YAML); what it leaves out has its default.
-    #[arg(long, value_name = "FILE")]
-    config: Option<PathBuf>,
-    /// Overrides one key of the configuration; may be given several times.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<String>,
+pub(crate) struct FrameArgs {
+    /// Number of the sequence's frame; by default its first.
+    #[arg(long, value_name = "N")]
+    pub(super) frame: Option<u32>,
+    /// The picture to write (PNG).
+    #[arg(short, long, value_name = "PNG")]
+    pub(super) out: PathBuf,
 }
 
 /// An image to look at.
@@ -37,13 +37,6 @@ pub(super) struct Frames {
     scale: f64,
     /// Camera and parameters, or why there are none.
     pub(super) setup: Result<Setup>,
-}
-
-impl SettingsArgs {
-    /// The configuration in force.
-    pub(super) fn load(&self) -> Result<Config> {
-        Ok(Config::load(self.config.as_deref(), &self.overrides)?)
-    }
 }
 
 /// The parameters of extraction.

@@ -8,8 +8,9 @@ use draw::{Canvas, Color, Strip, Stroke, Swatch};
 use features::{Extractor, ExtractorConfig, Features, match_brute_force};
 use geometry::{FundamentalEstimator, Mat3, RansacOptions, Vec2, mix_seed, ransac};
 
-use super::input::{Frames, Picture, SettingsArgs};
+use super::input::{Frames, Picture};
 use super::{row, save};
+use crate::args::SettingsArgs;
 use crate::exit::{Exit, Failure, OrExit};
 
 /// Arguments of `dsslam match`.

@@ -9,8 +9,9 @@ use features::Frame;
 use geometry::GrayImage;
 use io::Sensor;
 
-use super::input::{Frames, SettingsArgs};
+use super::input::{FrameArgs, Frames};
 use super::{row, save, zoom_for};
+use crate::args::SettingsArgs;
 use crate::exit::{Exit, Failure, OrExit};
 
 /// Arguments of `dsslam stereo`.
@@ -19,12 +20,9 @@ pub(crate) struct StereoArgs {
     /// Folder of a stereo sequence.
     #[arg(value_name = "SEQUENCE")]
     sequence: PathBuf,
-    /// Number of the frame; by default the first.
-    #[arg(long, value_name = "N")]
-    frame: Option<u32>,
-    /// The picture to write (PNG).
-    #[arg(short, long, value_name = "PNG")]
-    out: PathBuf,
+    /// Which frame, and the picture.
+    #[command(flatten)]
+    picture: FrameArgs,
     /// The configuration.
     #[command(flatten)]
     settings: SettingsArgs,
@@ -38,7 +36,7 @@ impl StereoArgs {
     pub(crate) fn run(&self) -> Result<Exit, Failure> {
         let config = self.settings.load().or_input()?;
         let frames = Frames::open(&self.sequence, Some(Sensor::Stereo), config).or_input()?;
-        let (position, images) = frames.load(self.frame).or_input()?;
+        let (position, images) = frames.load(self.picture.frame).or_input()?;
         let name = frames.name_of(position);
         let timestamp_s = frames.timestamp_s(position);
         let setup = frames.setup.or_input()?;
@@ -58,7 +56,7 @@ impl StereoArgs {
         let depth = |px: f64| setup.rig.stereo.depth_from_disparity(px);
         let depths = [most, least, median].map(depth);
         row("depth", &format!("{:.2} to {:.2} m, median {:.2} m", depths[0], depths[1], depths[2]));
-        save(&self.out, &found.drawn(&images.left, &name, of))
+        save(&self.picture.out, &found.drawn(&images.left, &name, of))
     }
 }
 

@@ -28,6 +28,31 @@ fn features_are_counted_and_drawn() {
 }
 
 #[test]
+fn features_kept_and_dropped_by_a_selection_are_counted_and_drawn() {
+    let dir = sandbox();
+    let args = ["features", "kitti/sequences/06", "--set", "features.selection=activation"];
+    let args = [&args[..], &["--set", "features.keep=300", "-o", "f.png"]].concat();
+    let Call { code, stdout, stderr } = dsslam_in(dir.path(), &args);
+    if code == Some(2) && stderr.contains("ONNX Runtime") {
+        println!("skipped: ONNX Runtime is not installed");
+        return;
+    }
+    assert_eq!(code, Some(0), "{stderr}");
+    let [kept, dropped] =
+        ["kept", "dropped"].map(|name| first_number(&value(&stdout, name).replace(',', " ")));
+    let candidates = value(&stdout, "selection").strip_prefix("activation, among ").map(first_number);
+    assert!(
+        kept == first_number(value(&stdout, "features")) && candidates == Some(kept + dropped),
+        "{stdout}"
+    );
+    assert!(kept == 300 && dropped > 500, "{stdout}");
+    let mean = |name| value(&stdout, name).rsplit(' ').next().unwrap().parse::<f64>().unwrap();
+    assert!(mean("kept") > mean("dropped"), "{stdout}");
+    let picture = io::load_gray(&dir.path().join("f.png")).unwrap();
+    assert_eq!(picture.width, 1241);
+}
+
+#[test]
 fn most_matches_of_two_moments_are_explained_by_one_motion() {
     let dir = sandbox();
     let args = ["match", "kitti/sequences/06", "--frames", "0", "2", "--guided", "-o", "m.png"];

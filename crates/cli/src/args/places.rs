@@ -1,51 +1,11 @@
-//! Command line of everything that has to do with the activation network.
+//! Command line of `dsslam places`.
 
 use std::fmt;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-/// Arguments about the network.
-#[derive(Clone, Debug, Default, Args)]
-pub(crate) struct NetworkArgs {
-    /// Network (ONNX) instead of the one that is part of the program: grey image in, activation map out.
-    #[arg(long, value_name = "FILE", help_heading = "Network")]
-    pub(crate) dsfeat_model: Option<PathBuf>,
-    /// ONNX Runtime's library; by default that of ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
-    /// ~/.local/share/dsslam or in the system's folders.
-    #[arg(long, value_name = "FILE", help_heading = "Network")]
-    pub(crate) onnxruntime: Option<PathBuf>,
-}
-
-impl NetworkArgs {
-    /// The same, with the network that is part of the program.
-    pub(crate) fn without_model(&self) -> Self {
-        NetworkArgs { dsfeat_model: None, ..self.clone() }
-    }
-}
-
-/// Arguments of `dsslam activation`.
-#[derive(Debug, Args)]
-pub(crate) struct ActivationArgs {
-    /// The image, PNG or JPEG.
-    #[arg(value_name = "IMAGE")]
-    pub(crate) image: PathBuf,
-    /// The picture to write, PNG.
-    #[arg(short = 'o', long, value_name = "FILE")]
-    pub(crate) out: PathBuf,
-    /// Most features that are kept.
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(crate) keep: u32,
-    /// Configuration file (YAML) for the extraction of features.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
-    /// Overrides one key of the configuration, such as features.selection=semantic; may be given several times.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub(crate) overrides: Vec<String>,
-    /// The network.
-    #[command(flatten)]
-    pub(crate) network: NetworkArgs,
-}
+use super::{NetworkArgs, SettingsArgs};
 
 /// Arguments of `dsslam places`.
 #[derive(Debug, Args)]
@@ -87,12 +47,9 @@ pub(crate) struct PlacesArgs {
     /// Vocabulary for ORB, by default the one that is part of the program.
     #[arg(long, value_name = "FILE")]
     pub(crate) vocab: Option<PathBuf>,
-    /// Configuration file (YAML) for the extraction of features.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
-    /// Overrides one key of the configuration; may be given several times.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub(crate) overrides: Vec<String>,
+    /// The configuration.
+    #[command(flatten)]
+    pub(crate) settings: SettingsArgs,
     /// The network of `ours`.
     #[command(flatten)]
     pub(crate) network: NetworkArgs,

@@ -1,0 +1,111 @@
+//! The command line: parsed without side effects, resolved by the commands.
+
+mod network;
+mod places;
+mod render;
+mod run;
+mod settings;
+mod show;
+mod vocab;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::config::CheckArgs;
+use crate::console::Voice;
+use crate::doctor::DoctorArgs;
+use crate::export::ExportArgs;
+use crate::help;
+use crate::shell::{CompletionsArgs, ManArgs};
+use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
+
+pub(crate) use network::{ActivationArgs, NetworkArgs};
+pub(crate) use places::{PlaceSelection, PlacesArgs};
+pub(crate) use render::{DemoArgs, LayoutArg, SynthArgs, WorldArgs};
+pub(crate) use run::{RunArgs, ScheduleArg};
+pub(crate) use settings::SettingsArgs;
+pub(crate) use show::{ShowArgs, ViewArgs};
+pub(crate) use vocab::{VocabAction, VocabArgs, VocabTrainArgs};
+
+/// Visual SLAM: images in, trajectory and map out.
+///
+/// Estimates the path of a camera (stereo, RGB-D) and a map of what it saw.
+#[derive(Debug, Parser)]
+#[command(name = "dsslam", version, arg_required_else_help = true, after_help = help::top(), max_term_width = 110)]
+pub(crate) struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// How much is said.
+    #[command(flatten)]
+    pub(crate) voice: Voice,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Runs SLAM on a sequence of images.
+    #[command(after_help = help::run())]
+    Run(RunArgs),
+    /// Renders a street course, runs SLAM on it, prints the errors and draws the trajectory. Needs no data.
+    #[command(after_help = help::demo())]
+    Demo(DemoArgs),
+    /// Renders a street course with exact ground truth as a dataset in KITTI's or EuRoC's layout.
+    #[command(after_help = help::synth())]
+    Synth(SynthArgs),
+    /// Shows a finished run in the Rerun viewer: trajectory, ground truth, errors, times; with events.dslog everything.
+    #[command(after_help = help::view())]
+    View(ViewArgs),
+    /// Evaluates trajectories against ground truth, as tables and plots.
+    #[command(after_help = help::eval())]
+    Eval(eval::command::EvalCommand),
+    /// Draws what the network thinks of an image: activation as a heat map, features kept and dropped.
+    #[command(after_help = help::activation())]
+    Activation(ActivationArgs),
+    /// Recognises places in a sequence with three selections of features: precision-recall curves and their areas.
+    #[command(after_help = help::places())]
+    Places(PlacesArgs),
+    /// Prints the default configuration, or checks and explains one.
+    #[command(after_help = help::config())]
+    Config(ConfigArgs),
+    /// Trains a vocabulary of place recognition, describes one, converts between file formats.
+    #[command(after_help = help::vocab())]
+    Vocab(VocabArgs),
+    /// Writes a map for other programs: points, models for COLMAP and nerfstudio, trajectories of the keyframes.
+    #[command(after_help = help::export())]
+    Export(ExportArgs),
+    /// Draws the key-points of an image.
+    #[command(after_help = help::features())]
+    Features(FeaturesArgs),
+    /// Draws the matches of two images, sorted by whether one motion explains them.
+    #[command(after_help = help::matching())]
+    Match(MatchArgs),
+    /// Draws the disparities of a stereo frame.
+    #[command(after_help = help::stereo())]
+    Stereo(StereoArgs),
+    /// Says what is on this machine, what is missing, and how to get it.
+    #[command(after_help = help::doctor())]
+    Doctor(DoctorArgs),
+    /// Prints the completions of a shell.
+    #[command(after_help = help::completions())]
+    Completions(CompletionsArgs),
+    /// Prints the manual page, or writes those of all commands into a folder.
+    #[command(after_help = help::man())]
+    Man(ManArgs),
+}
+
+/// Arguments of `dsslam config`.
+#[derive(Debug, Args)]
+pub(crate) struct ConfigArgs {
+    /// What to do with the configuration.
+    #[command(subcommand)]
+    pub(crate) action: ConfigAction,
+}
+
+/// What `dsslam config` can do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ConfigAction {
+    /// Prints the complete default configuration as YAML.
+    Default,
+    /// Checks a configuration and explains every value in force: where it comes from, what it means, what it may be.
+    Check(CheckArgs),
+}

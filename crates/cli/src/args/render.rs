@@ -1,0 +1,101 @@
+//! Command line of what is rendered: `dsslam demo` and `dsslam synth`.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use synth::Preset;
+
+use super::ShowArgs;
+
+/// Arguments of `dsslam demo`.
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// The course that is rendered.
+    #[command(flatten)]
+    pub(crate) world: WorldArgs,
+    /// Overrides one key of the configuration; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) overrides: Vec<String>,
+    /// Writes the results into this folder instead of results/PRESET/TIME.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Who watches the run.
+    #[command(flatten)]
+    pub(crate) show: ShowArgs,
+    /// Prints the content of summary.json, and nothing else, on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `dsslam synth`.
+#[derive(Debug, Args)]
+pub(crate) struct SynthArgs {
+    /// Folder to write.
+    #[arg(value_name = "OUT")]
+    pub(crate) out: PathBuf,
+    /// The course that is rendered.
+    #[command(flatten)]
+    pub(crate) world: WorldArgs,
+    /// Layout of the folder.
+    #[arg(long, value_enum, default_value_t = LayoutArg::Kitti)]
+    pub(crate) layout: LayoutArg,
+    /// With --layout euroc: lens of the raw cameras, radtan or fisheye.
+    #[arg(long, default_value_t = LensArg::Radtan, value_enum)]
+    pub(crate) lens: LensArg,
+    /// Also writes masks/: what is moving, parked, sky or still in each pixel of the left image.
+    #[arg(long)]
+    pub(crate) masks: bool,
+    /// Also writes depth/: 16-bit depth of the left image, 256 per metre.
+    #[arg(long)]
+    pub(crate) depth: bool,
+}
+
+/// Layout of a rendered dataset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LayoutArg {
+    /// KITTI odometry: rectified images, calib.txt, times.txt, poses.txt.
+    Kitti,
+    /// EuRoC: raw images of two cameras that are turned against each other, sensor.yaml, poses of the body.
+    Euroc,
+}
+
+/// Lens of rendered raw cameras.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LensArg {
+    /// Radial and tangential distortion, 79 degrees wide.
+    Radtan,
+    /// Equidistant, 111 degrees wide.
+    Fisheye,
+}
+
+impl From<LensArg> for synth::Lens {
+    fn from(lens: LensArg) -> Self {
+        match lens {
+            LensArg::Radtan => synth::Lens::Radtan,
+            LensArg::Fisheye => synth::Lens::Fisheye,
+        }
+    }
+}
+
+/// Which world is rendered and how far the camera drives.
+#[derive(Debug, Args)]
+pub(crate) struct WorldArgs {
+    /// Kind of world.
+    #[arg(long, default_value_t = Preset::Town, value_parser = preset_parser())]
+    pub(crate) preset: Preset,
+    /// Number of stereo frames; by default all of the rounds.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) frames: Option<u32>,
+    /// How often the closed course is driven.
+    #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) rounds: u32,
+    /// Seed of the world: equal seeds give equal images.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+}
+
+/// Reads the name of a preset; `--help` lists them.
+fn preset_parser() -> impl TypedValueParser<Value = Preset> {
+    PossibleValuesParser::new(Preset::ALL.map(Preset::name)).try_map(|name| name.parse::<Preset>())
+}

@@ -1,0 +1,103 @@
+//! Command line of `dsslam run`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::{NetworkArgs, SettingsArgs, ShowArgs};
+
+/// Arguments of `dsslam run`.
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// Folder of the sequence: KITTI odometry, TUM RGB-D, EuRoC, or images with a calibration file; or a video, or a camera such as
+    /// /dev/video0.
+    #[arg(value_name = "SEQUENCE")]
+    pub(crate) sequence: PathBuf,
+    /// The configuration.
+    #[command(flatten)]
+    pub(crate) settings: SettingsArgs,
+    /// Calibration file of the cameras, for images and videos: DSSLAM's YAML, EuRoC's sensor.yaml, BoofCV's XML.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calib: Option<PathBuf>,
+    /// How to use the images; by default what the folder holds.
+    #[arg(long, value_enum)]
+    pub(crate) sensor: Option<SensorArg>,
+    /// Writes the results into this folder instead of results/SEQUENCE/TIME.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Prints the content of summary.json, and nothing else, on standard output.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Stops after this many frames.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) max_frames: Option<u32>,
+    /// How the stages of the run share time; by default lockstep, of a camera live.
+    #[arg(long, value_enum, help_heading = "Schedule")]
+    pub(crate) schedule: Option<ScheduleArg>,
+    /// With --schedule live: frames come at the pace of their timestamps, and are skipped while tracking is behind.
+    #[arg(long, help_heading = "Schedule")]
+    pub(crate) realtime: bool,
+    /// Writes what happened in which order, so that --replay does the run again, bit for bit.
+    #[arg(long, value_name = "FILE", help_heading = "Schedule")]
+    pub(crate) journal: Option<PathBuf>,
+    /// Does the run of a journal again; sequence, configuration, vocabulary and start map must be those of that run.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["schedule", "realtime", "journal"], help_heading = "Schedule")]
+    pub(crate) replay: Option<PathBuf>,
+    /// Does not look for places seen before: the same as --set loops.enabled=false.
+    #[arg(long, help_heading = "Places and maps")]
+    pub(crate) no_loops: bool,
+    /// The network that selects features.
+    #[command(flatten)]
+    pub(crate) network: NetworkArgs,
+    /// Test aid: seed of random pauses of all stages, on which no result may depend.
+    #[arg(long, value_name = "SEED", hide = true)]
+    pub(crate) delays: Option<u64>,
+    /// Vocabulary to recognise places with, in DSSLAM's or ORB-SLAM2's format; by default the one that is part of the
+    /// program.
+    #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
+    pub(crate) vocab: Option<PathBuf>,
+    /// Writes the map at the end of the run.
+    #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
+    pub(crate) save_map: Option<PathBuf>,
+    /// Goes on with the map of a file.
+    #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
+    pub(crate) load_map: Option<PathBuf>,
+    /// With --load-map: only finds the camera in the map and inserts nothing.
+    #[arg(long, requires = "load_map", help_heading = "Places and maps")]
+    pub(crate) localize: bool,
+    /// Who watches the run.
+    #[command(flatten)]
+    pub(crate) show: ShowArgs,
+}
+
+/// How the stages of a run share time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ScheduleArg {
+    /// One after another on one thread.
+    Sequential,
+    /// Each on a thread of its own, with the same results as one after another.
+    Lockstep,
+    /// Each on a thread of its own; tracking never waits for the map.
+    Live,
+}
+
+/// How the images of a sequence are used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SensorArg {
+    /// Two rectified cameras.
+    Stereo,
+    /// A camera and registered depth images.
+    Rgbd,
+    /// One camera: the scale of trajectory and map is free.
+    Mono,
+}
+
+impl From<SensorArg> for io::Sensor {
+    fn from(sensor: SensorArg) -> Self {
+        match sensor {
+            SensorArg::Stereo => io::Sensor::Stereo,
+            SensorArg::Rgbd => io::Sensor::Rgbd,
+            SensorArg::Mono => io::Sensor::Mono,
+        }
+    }
+}

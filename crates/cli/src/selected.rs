@@ -1,0 +1,78 @@
+//! What a selection keeps of the candidates of an image, and what it drops.
+
+use anyhow::{Result, anyhow};
+use dsfeat::Network;
+use features::{ActivationMap, ActivationSource, Extractor, Features, Keypoint, SelectionConfig};
+use geometry::GrayImage;
+use io::FeatureSettings;
+
+use crate::args::NetworkArgs;
+use crate::network;
+use crate::setup;
+
+/// The candidates of an image, chosen among by an activation network.
+pub(crate) struct Selected {
+    /// The network.
+    pub(crate) network: Network,
+    /// How it chooses.
+    pub(crate) rule: SelectionConfig,
+    /// What it thinks of the image.
+    pub(crate) map: ActivationMap,
+    /// The features kept.
+    pub(crate) kept: Features,
+    /// The others.
+    pub(crate) dropped: Vec<Keypoint>,
+}
+
+impl Selected {
+    /// Selects; the settings must not be those of a selection without a network.
+    ///
+    /// # Errors
+    /// A network that cannot be used.
+    pub(crate) fn of(image: &GrayImage, settings: &FeatureSettings, args: &NetworkArgs) -> Result<Self> {
+        let (mut network, rule) = network::open(settings, args)?;
+        let map = network.activation(image).map_err(|reason| anyhow!(reason))?;
+        let mut extractor = Extractor::new(setup::extractor(settings));
+        let candidates = extractor.extract(image).keypoints;
+        let chosen = extractor.extract_selected(image, &rule, &mut Known(map.clone()));
+        let (kept, _) = chosen.map_err(|reason| anyhow!(reason))?;
+        let dropped = without(&candidates, &kept.keypoints);
+        Ok(Self { network, rule, map, kept, dropped })
+    }
+
+    /// Mean activation at features, 0 without any.
+    pub(crate) fn mean_activation(&self, features: &[Keypoint]) -> f64 {
+        let sum: f64 = features.iter().map(|k| f64::from(self.map.at(k.x, k.y))).sum();
+        sum / (features.len().max(1)) as f64
+    }
+}
+
+/// A map that has been made already.
+#[derive(Debug)]
+pub(crate) struct Known(pub(crate) ActivationMap);
+
+impl ActivationSource for Known {
+    fn activation(&mut self, _: &GrayImage) -> Result<ActivationMap, String> {
+        Ok(self.0.clone())
+    }
+}
+
+/// Those of `all` that are not in `some`; both in the same order.
+fn without(all: &[Keypoint], some: &[Keypoint]) -> Vec<Keypoint> {
+    let mut some = some.iter().peekable();
+    all.iter().filter(|k| some.next_if(|s| s == k).is_none()).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_kept_is_dropped() {
+        let at = |x: f32| Keypoint { x, y: 1.0, ..Keypoint::default() };
+        let all = [at(1.0), at(2.0), at(3.0), at(4.0)];
+        assert_eq!(without(&all, &[at(2.0), at(4.0)]), [at(1.0), at(3.0)]);
+        assert_eq!(without(&all, &[]), all);
+        assert!(without(&all, &all).is_empty());
+    }
+}
