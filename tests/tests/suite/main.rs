@@ -18,6 +18,7 @@ mod selection;
 mod sensors;
 mod sequence;
 mod videos;
+mod viewing;
 mod vocabulary;
 mod watching;
 

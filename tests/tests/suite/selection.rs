@@ -4,8 +4,11 @@
 use std::fs;
 use std::path::Path;
 
+use events::Record;
+
 use crate::program::{Call, command, dsslam, ended, needs_onnxruntime, text};
 use crate::sequence::{Copy, rendered};
+use crate::watching::records;
 
 const ACTIVATION: [&str; 4] = ["--set", "features.selection=activation", "--set", "features.keep=500"];
 
@@ -39,6 +42,39 @@ fn selected_features_give_the_same_bits_by_every_schedule() {
         found.push(checksums(&out));
     }
     assert!(found.windows(2).all(|pair| pair[0] == pair[1]), "{found:?}");
+}
+
+#[test]
+fn a_viewer_gets_the_activation_of_images_features_and_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut args = vec!["run", text(rendered()), "--out", text(folder.path()), "--events"];
+    args.extend(["--max-frames", "12", "--schedule", "sequential"]);
+    args.extend(ACTIVATION);
+    let Some(call) = with_network(&args) else { return };
+    call.expect_success();
+    let (mut images, mut maps, mut points) = (Vec::new(), Vec::new(), Vec::new());
+    for record in records(folder.path()) {
+        match record {
+            Record::Image(image) => images.push(image.frame),
+            Record::Activation(map) => {
+                assert_eq!(map.values.len() as u32, map.size[0] * map.size[1]);
+                let [least, most] = [map.values.iter().min(), map.values.iter().max()].map(|v| *v.unwrap());
+                assert!(least < 64 && most > 192, "a street has places of both kinds: {least} to {most}");
+                maps.push(map.frame);
+            }
+            Record::Features(features) => {
+                let n = features.activations.len();
+                let trusted = features.activations.iter().filter(|a| **a >= 128).count();
+                // A quarter at most of what is kept is taken of other places.
+                assert!(n == features.pixels.len() && 10 * trusted > 7 * n, "{trusted} of {n}");
+            }
+            Record::Map(delta) => points.extend(delta.points.iter().map(|point| point.activation)),
+            _ => {}
+        }
+    }
+    assert!(images.len() > 6, "{images:?}");
+    assert_eq!(images, maps, "each image has its map");
+    assert!(points.iter().any(|a| *a < 250), "points have the activation of their features");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::program::{Call, command, dsslam, ended, program, summary, text};
 use crate::sequence::{N_RENDERED, rendered};
 
 /// The records of `events.dslog`.
-fn records(results: &Path) -> Vec<Record> {
+pub(crate) fn records(results: &Path) -> Vec<Record> {
     let file = fs::File::open(results.join("events.dslog")).unwrap();
     let mut reader = StreamReader::new(std::io::BufReader::new(file)).unwrap();
     let mut records = Vec::new();
@@ -46,7 +46,7 @@ fn events_tell_the_run_and_change_nothing() {
 }
 
 /// The program in a folder of its own, with a shell script beside it as its viewer.
-fn with_viewer(folder: &Path, script: &str) -> PathBuf {
+pub(crate) fn with_viewer(folder: &Path, script: &str) -> PathBuf {
     let copy = folder.join("dsslam");
     fs::copy(program(), &copy).unwrap();
     let viewer = folder.join("dsslam-rerun");
