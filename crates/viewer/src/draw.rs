@@ -77,6 +77,11 @@ impl Drawer {
         Ok(())
     }
 
+    /// Depth of the frusta of keyframes, in the map's unit; `None` before there are enough keyframes to tell it from.
+    pub(crate) fn frustum_depth(&self) -> Option<f64> {
+        self.frustum
+    }
+
     fn points(&mut self, scene: &Scene, b: u32, to: &RecordingStream) -> RecordingStreamResult<()> {
         let n_frames = scene.start().map_or(1, |start| start.n_frames).max(1);
         self.has_activation |= scene.points_in(b).any(|point| point.activation < u8::MAX);

@@ -20,6 +20,10 @@ use crate::layout;
 
 /// Frames between two alignments of the true path with the path so far.
 const ALIGN_EVERY: u32 = 10;
+/// Depth of the image in space as a multiple of the depth of keyframes' frusta.
+const IMAGE_DEPTH: f64 = 3.0;
+/// The same in the map's unit before there are keyframes to tell it from.
+const FIRST_IMAGE_DEPTH: f64 = 1.5;
 /// Opacity of the activation map over the image.
 const OVERLAY_ALPHA: u8 = 110;
 
@@ -36,6 +40,7 @@ pub(crate) fn all(reader: &mut Reader, to: &RecordingStream) -> Result<()> {
         times: BTreeMap::new(),
         image: [1.0; 2],
         image_size: [1; 2],
+        image_depth: FIRST_IMAGE_DEPTH,
         alignment: None,
     };
     to.log_static(layout::WORLD, &ViewCoordinates::RIGHT_HAND_Y_DOWN())?;
@@ -58,6 +63,8 @@ struct Show<'a> {
     image: [f32; 2],
     /// Width and height of the shown image.
     image_size: [u32; 2],
+    /// Depth of the image in space, in the map's unit.
+    image_depth: f64,
     alignment: Option<Alignment>,
 }
 
@@ -73,6 +80,7 @@ impl Show<'_> {
             Record::Map(delta) => {
                 self.at(delta.frame);
                 self.drawer.draw(&mut self.scene, self.to)?;
+                self.fit_image()?;
                 self.map_size()
             }
             Record::Stages { frame, stages } => {
@@ -112,7 +120,18 @@ impl Show<'_> {
         let [cx, cy] = camera.center.map(|c| c as f32);
         let columns = [[fx * sx, 0.0, 0.0], [0.0, fy * sy, 0.0], [cx * sx, cy * sy, 1.0]];
         let pinhole = Pinhole::new(columns).with_resolution([size[0] as f32, size[1] as f32]);
-        self.to.log_static(layout::IMAGE, &pinhole.with_image_plane_distance(1.5_f32))
+        self.to.log_static(layout::IMAGE, &pinhole.with_image_plane_distance(self.image_depth as f32))
+    }
+
+    /// Makes the image in space as large as goes with the keyframes: a street wants another size than a desk.
+    fn fit_image(&mut self) -> RecordingStreamResult<()> {
+        match self.drawer.frustum_depth().map(|depth| IMAGE_DEPTH * depth) {
+            Some(depth) if depth != self.image_depth => {
+                self.image_depth = depth;
+                self.pinhole(self.image_size)
+            }
+            _ => Ok(()),
+        }
     }
 
     fn frame(&mut self, frame: &FrameRecord) -> RecordingStreamResult<()> {
