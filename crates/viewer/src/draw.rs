@@ -4,11 +4,14 @@ use events::{Alignment, KeyframeUpdate, PointUpdate, Scene};
 use geometry::{SE3, Vec3};
 use rerun::{Color, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
-use crate::colours::{self, color, of_submap, viridis};
+use crate::colours::{self, color, in_space, of_submap};
 use crate::layout::{self, block};
 
 /// Depth of a keyframe's frustum as a share of the median distance between neighbours on the path.
 const FRUSTUM_SHARE: f64 = 0.6;
+/// Points farther from all cameras than so many times that distance are not drawn: the view shows everything that there is, and a
+/// few points at the horizon would make the rest tiny.
+const REACH: f64 = 60.0;
 /// The true path is drawn anew when the alignment moves it by this share of its extent.
 const TRUTH_MOVED_SHARE: f64 = 0.003;
 
@@ -32,8 +35,9 @@ impl Drawer {
     /// Those of the recording.
     pub(crate) fn draw(&mut self, scene: &mut Scene, to: &RecordingStream) -> RecordingStreamResult<()> {
         let dirty = scene.take_dirty();
+        let reach = if dirty.points.is_empty() { None } else { Reach::of(scene) };
         for &b in &dirty.points {
-            self.points(scene, b, to)?;
+            self.points(scene, b, reach.as_ref(), to)?;
         }
         if !dirty.keyframes.is_empty() {
             self.submaps(scene, to)?;
@@ -48,11 +52,11 @@ impl Drawer {
             let colour = Color::from_unmultiplied_rgba(r, g, blue, a);
             to.log(block(layout::COVISIBILITY, b), &lines(edges, colour, radius))?;
             let loops = strips(scene.edges_in(b, |k| &k.loops));
-            to.log(block(layout::LOOPS, b), &lines(loops, color(colours::LOOP), Radius::new_ui_points(1.5)))?;
+            to.log(block(layout::LOOPS, b), &lines(loops, color(colours::LOOP), Radius::new_ui_points(3.0)))?;
         }
         for &b in &dirty.path {
             let path = scene.path_in(b).iter().map(|strip| flat(strip)).collect();
-            let radius = Radius::new_ui_points(1.5);
+            let radius = Radius::new_ui_points(2.5);
             to.log(block(layout::TRAJECTORY, b), &lines(path, color(colours::TRAJECTORY), radius))?;
         }
         Ok(())
@@ -71,7 +75,7 @@ impl Drawer {
         let path = scene.true_path(alignment);
         if has_moved(&self.truth, &path) {
             let strips = path.iter().map(|strip| flat(strip)).collect();
-            to.log(layout::TRUTH, &lines(strips, color(colours::TRUTH), Radius::new_ui_points(1.0)))?;
+            to.log(layout::TRUTH, &lines(strips, color(colours::TRUTH), Radius::new_ui_points(1.2)))?;
             self.truth = path;
         }
         Ok(())
@@ -82,7 +86,13 @@ impl Drawer {
         self.frustum
     }
 
-    fn points(&mut self, scene: &Scene, b: u32, to: &RecordingStream) -> RecordingStreamResult<()> {
+    fn points(
+        &mut self,
+        scene: &Scene,
+        b: u32,
+        reach: Option<&Reach>,
+        to: &RecordingStream,
+    ) -> RecordingStreamResult<()> {
         let n_frames = scene.start().map_or(1, |start| start.n_frames).max(1);
         self.has_activation |= scene.points_in(b).any(|point| point.activation < u8::MAX);
         let colour = |point: &PointUpdate| {
@@ -91,10 +101,12 @@ impl Drawer {
             } else {
                 f64::from(point.born) / f64::from(n_frames)
             };
-            color(viridis(share))
+            color(in_space(share))
         };
-        let points = Points3D::new(scene.points_in(b).map(|point| point.position))
-            .with_colors(scene.points_in(b).map(colour))
+        let drawn =
+            || scene.points_in(b).filter(|point| reach.is_none_or(|reach| reach.has(&point.position)));
+        let points = Points3D::new(drawn().map(|point| point.position))
+            .with_colors(drawn().map(colour))
             .with_radii([Radius::new_ui_points(1.2)]);
         to.log(block(layout::POINTS, b), &points)
     }
@@ -114,7 +126,7 @@ impl Drawer {
         let frusta: Vec<Vec<[f32; 3]>> = scene.keyframes_in(b).map(|k| frustum(k, &corners)).collect();
         let colours = scene.keyframes_in(b).map(|k| color(of_submap(k.submap)));
         let keyframes =
-            LineStrips3D::new(frusta).with_colors(colours).with_radii([Radius::new_ui_points(0.7)]);
+            LineStrips3D::new(frusta).with_colors(colours).with_radii([Radius::new_ui_points(0.6)]);
         to.log(block(layout::KEYFRAMES, b), &keyframes)
     }
 
@@ -153,13 +165,43 @@ fn point(p: &Vec3) -> [f32; 3] {
     [p.x as f32, p.y as f32, p.z as f32]
 }
 
-/// The median distance between keyframes that follow each other decides how large frusta are.
-fn frustum_depth(scene: &Scene) -> f64 {
-    let centers: Vec<Vec3> =
-        scene.keyframes().values().map(|k| SE3::from(&k.cam_from_world).center()).collect();
+/// How far the cameras see what is drawn: the box around the keyframes, and more.
+struct Reach {
+    least: Vec3,
+    most: Vec3,
+}
+
+impl Reach {
+    /// `None` before there are keyframes apart from each other.
+    fn of(scene: &Scene) -> Option<Self> {
+        let centers = centers(scene);
+        let margin = Vec3::repeat(REACH * median_gap(&centers)?);
+        let first = *centers.first()?;
+        let least = centers.iter().fold(first, |least, c| least.inf(c));
+        let most = centers.iter().fold(first, |most, c| most.sup(c));
+        Some(Self { least: least - margin, most: most + margin })
+    }
+
+    fn has(&self, position: &[f32; 3]) -> bool {
+        (0..3).all(|i| (self.least[i]..=self.most[i]).contains(&f64::from(position[i])))
+    }
+}
+
+/// Where the keyframes were taken.
+fn centers(scene: &Scene) -> Vec<Vec3> {
+    scene.keyframes().values().map(|k| SE3::from(&k.cam_from_world).center()).collect()
+}
+
+/// The median distance between keyframes that follow each other.
+fn median_gap(centers: &[Vec3]) -> Option<f64> {
     let mut gaps: Vec<f64> = centers.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
     gaps.sort_by(f64::total_cmp);
-    FRUSTUM_SHARE * gaps.get(gaps.len() / 2).copied().filter(|gap| *gap > 0.0).unwrap_or(0.5)
+    gaps.get(gaps.len() / 2).copied().filter(|gap| *gap > 0.0)
+}
+
+/// The median distance decides how large frusta are.
+fn frustum_depth(scene: &Scene) -> f64 {
+    FRUSTUM_SHARE * median_gap(&centers(scene)).unwrap_or(0.5)
 }
 
 /// Corners of the image at a depth in the camera's coordinates, around it.
@@ -205,5 +247,26 @@ mod tests {
         assert!(!has_moved(&path(0.0), &path(0.1)));
         assert!(has_moved(&path(0.0), &path(1.0)));
         assert!(!has_moved(&[], &[]));
+    }
+
+    #[test]
+    fn points_at_the_horizon_are_out_of_reach() {
+        let keyframe = |id: u32, z: f64| KeyframeUpdate {
+            id,
+            frame: id,
+            cam_from_world: (&SE3::new(geometry::SO3::identity(), Vec3::new(0.0, 0.0, -z))).into(),
+            scale: 1.0,
+            submap: 0,
+            parent: None,
+            covisible: Vec::new(),
+            loops: Vec::new(),
+        };
+        let mut scene = Scene::default();
+        assert!(Reach::of(&scene).is_none());
+        let keyframes = vec![keyframe(0, 0.0), keyframe(1, 1.0), keyframe(2, 2.0)];
+        scene.apply(&events::Record::Map(events::MapDelta { keyframes, ..Default::default() }));
+        let reach = Reach::of(&scene).expect("keyframes are a metre apart");
+        assert!(reach.has(&[0.0, -10.0, 61.0]) && !reach.has(&[0.0, -10.0, 63.0]));
+        assert!(reach.has(&[-59.0, 0.0, 0.0]) && !reach.has(&[-61.0, 0.0, 0.0]));
     }
 }

@@ -43,34 +43,44 @@ pub(crate) const TIMES: &str = "plots/times_ms";
 pub(crate) const COUNTS: &str = "plots/counts";
 /// Size of the map.
 pub(crate) const MAP_SIZE: &str = "plots/map";
-/// Distance from the truth as it looked when the frame was new.
-pub(crate) const ERROR: &str = "plots/error/when_new_m";
-/// Distance from the truth in the final map.
-pub(crate) const FINAL_ERROR: &str = "plots/error/final_m";
+/// Distances from the truth, metres.
+pub(crate) const ERRORS: &str = "plots/error_m";
+/// As it looked when the frame was new.
+pub(crate) const ERROR: &str = "when_new";
+/// In the final map.
+pub(crate) const FINAL_ERROR: &str = "final";
 /// The log.
 pub(crate) const LOG: &str = "log";
 /// The numbers of the run.
 pub(crate) const SUMMARY: &str = "summary";
 
-/// The views: space on the left; image, plots and texts on the right.
-pub(crate) fn layout() -> Blueprint {
-    let space = Spatial3DView::new("map and trajectory").with_origin(WORLD);
-    let image = Spatial2DView::new("image").with_origin(IMAGE);
-    let plots = Tabs::new([
-        ContainerLike::from(TimeSeriesView::new("stage times [ms]").with_origin(TIMES)),
-        TimeSeriesView::new("map size").with_origin(MAP_SIZE).into(),
+/// Stages whose times are shown at first; the others are steps of these.
+const STAGES: [&str; 5] = ["decode", "extract", "track", "map", "loop"];
+
+/// Which views there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Views {
+    /// Those of every run.
+    Usual,
+    /// Also the image under its activation.
+    WithActivation,
+}
+
+/// The views: space and the times of stages on the left; images, counts and texts on the right.
+pub(crate) fn layout(views: Views) -> Blueprint {
+    let space = Spatial3DView::new("map and trajectory").with_origin(WORLD).with_contents([
+        "+ $origin/**".to_owned(),
+        format!("- {FEATURE_ACTIVATION}"),
+        format!("- {ACTIVATION}"),
     ]);
-    let counts = Tabs::new([
-        ContainerLike::from(TimeSeriesView::new("counts").with_origin(COUNTS)),
-        TimeSeriesView::new("error [m]").with_origin("plots/error").into(),
-    ]);
-    let texts = Tabs::new([
-        ContainerLike::from(TextLogView::new("log").with_origin(LOG)),
-        TextDocumentView::new("summary").with_origin(SUMMARY).into(),
-    ]);
-    let side = Vertical::new([ContainerLike::from(image), plots.into(), counts.into(), texts.into()])
-        .with_row_shares([3.0, 2.0, 2.0, 2.0]);
-    let root = Horizontal::new([ContainerLike::from(space), side.into()]).with_column_shares([3.0, 2.0]);
+    let left = Vertical::new([ContainerLike::from(space), times().into()]).with_row_shares([3.0, 1.0]);
+    let mut side = vec![image().into()];
+    if views == Views::WithActivation {
+        side.push(activation().into());
+    }
+    side.extend([counts().into(), texts().into()]);
+    let right = Vertical::new(side);
+    let root = Horizontal::new([ContainerLike::from(left), right.into()]).with_column_shares([3.0, 2.0]);
     Blueprint::new(root)
         .with_auto_views(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Collapsed))
@@ -81,6 +91,49 @@ pub(crate) fn layout() -> Blueprint {
                 .with_timeline(FRAME)
                 .with_play_state(PlayState::Following),
         )
+}
+
+/// The image with features in the colours of what tracking made of them.
+fn image() -> Spatial2DView {
+    Spatial2DView::new("image: tracked green, new blue, outliers red").with_origin(IMAGE).with_contents([
+        "+ $origin/**".to_owned(),
+        format!("- {FEATURE_ACTIVATION}"),
+        format!("- {ACTIVATION}"),
+    ])
+}
+
+/// The image under its activation, with features in the colours of theirs.
+fn activation() -> Spatial2DView {
+    Spatial2DView::new("activation: from violet (moves) to yellow (trusted)")
+        .with_origin(IMAGE)
+        .with_contents(["+ $origin/**".to_owned(), format!("- {FEATURES}")])
+}
+
+fn times() -> Tabs {
+    let stages = STAGES.map(|stage| format!("+ $origin/{stage}"));
+    let others = STAGES.map(|stage| format!("- $origin/{stage}"));
+    let steps = std::iter::once("+ $origin/**".to_owned()).chain(others);
+    Tabs::new([
+        ContainerLike::from(
+            TimeSeriesView::new("times of stages [ms]").with_origin(TIMES).with_contents(stages),
+        ),
+        TimeSeriesView::new("of their steps [ms]").with_origin(TIMES).with_contents(steps).into(),
+    ])
+}
+
+fn counts() -> Tabs {
+    Tabs::new([
+        ContainerLike::from(TimeSeriesView::new("counts").with_origin(COUNTS)),
+        TimeSeriesView::new("map size").with_origin(MAP_SIZE).into(),
+        TimeSeriesView::new("error [m]").with_origin(ERRORS).into(),
+    ])
+}
+
+fn texts() -> Tabs {
+    Tabs::new([
+        ContainerLike::from(TextLogView::new("log").with_origin(LOG)),
+        TextDocumentView::new("summary").with_origin(SUMMARY).into(),
+    ])
 }
 
 /// The name of a block of something; names sort like the blocks.

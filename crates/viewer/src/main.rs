@@ -9,6 +9,7 @@ mod draw;
 mod input;
 mod layout;
 mod output;
+mod plots;
 mod show;
 
 use std::io::Write;

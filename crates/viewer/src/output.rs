@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use rerun::{RecordingStream, RecordingStreamBuilder, SpawnOptions};
 
 use crate::args::Args;
-use crate::layout::layout;
+use crate::layout::{Views, layout};
 
 /// How long a viewer may take to read the rest.
 const FLUSH: Duration = Duration::from_secs(30);
@@ -16,7 +16,7 @@ const FLUSH: Duration = Duration::from_secs(30);
 /// # Errors
 /// A viewer that is not there, a file that cannot be written.
 pub(crate) fn open(args: &Args) -> Result<RecordingStream> {
-    let builder = RecordingStreamBuilder::new("dsslam").with_blueprint(layout());
+    let builder = RecordingStreamBuilder::new("dsslam").with_blueprint(layout(Views::Usual));
     let recording = match (&args.save, &args.connect) {
         (Some(file), _) => {
             builder.save(file).with_context(|| format!("{}: cannot be written", file.display()))

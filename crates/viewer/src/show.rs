@@ -3,20 +3,23 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
+use draw::gradient;
 use events::{
     ActivationMap, Alignment, Features, FrameRecord, FrameState, Image, Level, Record, Scene, StageTime,
     Start, Text,
 };
 use geometry::SE3;
+use rerun::blueprint::BlueprintActivation;
 use rerun::{
-    EncodedImage, Pinhole, Points2D, Radius, RecordingStream, RecordingStreamResult, Scalars, TextDocument,
-    TextLog, TextLogLevel, Transform3D, ViewCoordinates,
+    EncodedImage, Pinhole, Points2D, Radius, RecordingStream, RecordingStreamResult, TextDocument, TextLog,
+    TextLogLevel, Transform3D, ViewCoordinates,
 };
 
-use crate::colours::{color, of_state, viridis};
+use crate::colours::{color, of_state};
 use crate::draw::Drawer;
 use crate::input::Reader;
-use crate::layout;
+use crate::layout::{self, Views, layout};
+use crate::plots::Plots;
 
 /// Frames between two alignments of the true path with the path so far.
 const ALIGN_EVERY: u32 = 10;
@@ -25,7 +28,7 @@ const IMAGE_DEPTH: f64 = 3.0;
 /// The same in the map's unit before there are keyframes to tell it from.
 const FIRST_IMAGE_DEPTH: f64 = 1.5;
 /// Opacity of the activation map over the image.
-const OVERLAY_ALPHA: u8 = 110;
+const OVERLAY_OPACITY: f32 = 0.45;
 
 /// Shows everything until the stream ends.
 ///
@@ -42,6 +45,8 @@ pub(crate) fn all(reader: &mut Reader, to: &RecordingStream) -> Result<()> {
         image_size: [1; 2],
         image_depth: FIRST_IMAGE_DEPTH,
         alignment: None,
+        plots: Plots::default(),
+        has_activation: false,
     };
     to.log_static(layout::WORLD, &ViewCoordinates::RIGHT_HAND_Y_DOWN())?;
     while let Some(record) = reader.next_record()? {
@@ -66,6 +71,9 @@ struct Show<'a> {
     /// Depth of the image in space, in the map's unit.
     image_depth: f64,
     alignment: Option<Alignment>,
+    plots: Plots,
+    /// Whether there have been activation maps.
+    has_activation: bool,
 }
 
 impl Show<'_> {
@@ -152,7 +160,7 @@ impl Show<'_> {
                 ("inliers", c.inliers),
             ];
             for (name, count) in counts {
-                self.scalar(&format!("{}/{name}", layout::COUNTS), f64::from(count))?;
+                self.plot(layout::COUNTS, name, f64::from(count))?;
             }
         }
         if frame.index.is_multiple_of(ALIGN_EVERY) || self.alignment.is_none() {
@@ -162,21 +170,19 @@ impl Show<'_> {
         self.drawer.draw(&mut self.scene, self.to)
     }
 
-    fn stages(&self, stages: &[StageTime]) -> RecordingStreamResult<()> {
-        stages.iter().try_for_each(|stage| {
-            self.scalar(&format!("{}/{}", layout::TIMES, stage.name), f64::from(stage.ms))
-        })
+    fn stages(&mut self, stages: &[StageTime]) -> RecordingStreamResult<()> {
+        stages.iter().try_for_each(|stage| self.plot(layout::TIMES, &stage.name, f64::from(stage.ms)))
     }
 
-    fn scalar(&self, entity: &str, value: f64) -> RecordingStreamResult<()> {
-        self.to.log(entity, &Scalars::single(value))
+    fn plot(&mut self, plot: &'static str, name: &str, value: f64) -> RecordingStreamResult<()> {
+        self.plots.add(plot, name, value, self.to)
     }
 
-    fn map_size(&self) -> RecordingStreamResult<()> {
+    fn map_size(&mut self) -> RecordingStreamResult<()> {
         let keyframes = self.scene.keyframes();
         let submaps = keyframes.values().filter(|k| k.parent.is_none()).count();
         let sizes = [("keyframes", keyframes.len()), ("points", self.scene.n_points()), ("submaps", submaps)];
-        sizes.iter().try_for_each(|(name, n)| self.scalar(&format!("{}/{name}", layout::MAP_SIZE), *n as f64))
+        sizes.iter().try_for_each(|(name, n)| self.plot(layout::MAP_SIZE, name, *n as f64))
     }
 
     fn features(&self, features: &Features) -> RecordingStreamResult<()> {
@@ -189,7 +195,7 @@ impl Show<'_> {
         if features.activations.iter().all(|a| *a == u8::MAX) {
             return Ok(());
         }
-        let colours = features.activations.iter().map(|a| color(viridis(f64::from(*a) / 255.0)));
+        let colours = features.activations.iter().map(|a| color(gradient(f64::from(*a) / 255.0)));
         let points = Points2D::new(at).with_colors(colours);
         self.to.log(layout::FEATURE_ACTIVATION, &points.with_radii([Radius::new_ui_points(3.0)]))
     }
@@ -204,7 +210,10 @@ impl Show<'_> {
     }
 
     /// The activation map in colours over the image, in the image's size.
-    fn activation(&self, map: &ActivationMap) -> RecordingStreamResult<()> {
+    fn activation(&mut self, map: &ActivationMap) -> RecordingStreamResult<()> {
+        if !std::mem::replace(&mut self.has_activation, true) {
+            layout(Views::WithActivation).send(self.to, BlueprintActivation::default())?;
+        }
         self.at(map.frame);
         let [width, height] = self.image_size;
         let of = |x: u32, y: u32| {
@@ -215,13 +224,10 @@ impl Show<'_> {
         };
         let pixels: Vec<u8> = (0..height)
             .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .flat_map(|(x, y)| {
-                let [red, green, blue] = viridis(f64::from(of(x, y)) / 255.0);
-                [red, green, blue, OVERLAY_ALPHA]
-            })
+            .flat_map(|(x, y)| gradient(f64::from(of(x, y)) / 255.0))
             .collect();
-        let overlay = rerun::Image::from_rgba32(pixels, [width, height]).with_draw_order(-10.0_f32);
-        self.to.log(layout::ACTIVATION, &overlay)
+        let overlay = rerun::Image::from_rgb24(pixels, [width, height]).with_opacity(OVERLAY_OPACITY);
+        self.to.log(layout::ACTIVATION, &overlay.with_draw_order(-10.0_f32))
     }
 
     fn text(&self, text: &Text) -> RecordingStreamResult<()> {
@@ -243,19 +249,19 @@ impl Show<'_> {
     }
 
     /// The error of a frame as it looks now.
-    fn error_of(&self, frame: u32) -> RecordingStreamResult<()> {
+    fn error_of(&mut self, frame: u32) -> RecordingStreamResult<()> {
         match self.alignment.as_ref().and_then(|alignment| self.scene.error_m(alignment, frame)) {
-            Some(error) => self.scalar(layout::ERROR, error),
+            Some(error) => self.plot(layout::ERRORS, layout::ERROR, error),
             None => Ok(()),
         }
     }
 
     /// The errors of all frames in the final map.
-    fn errors(&self) -> RecordingStreamResult<()> {
-        let Some(alignment) = &self.alignment else { return Ok(()) };
-        for (frame, error) in self.scene.errors_m(alignment) {
+    fn errors(&mut self) -> RecordingStreamResult<()> {
+        let Some(alignment) = self.alignment else { return Ok(()) };
+        for (frame, error) in self.scene.errors_m(&alignment) {
             self.at(frame);
-            self.scalar(layout::FINAL_ERROR, error)?;
+            self.plot(layout::ERRORS, layout::FINAL_ERROR, error)?;
         }
         self.at(self.scene.newest_frame().unwrap_or(0));
         Ok(())

@@ -20,7 +20,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/slam", &["geometry", "features", "bow", "optim", "map"]),
     ("crates/events", &["geometry", "map"]),
     ("crates/runtime", &["geometry", "features", "bow", "map", "slam", "io", "events"]),
-    ("crates/viewer", &["geometry", "events"]),
+    ("crates/viewer", &["geometry", "draw", "events"]),
     ("crates/synth", &["geometry", "io"]),
     ("eval", &["geometry", "io", "draw"]),
     (
