@@ -32,6 +32,6 @@ fn run(args: &args::Args) -> anyhow::Result<()> {
     let mut reader = input::open(&args.input)?;
     let recording = output::open(args)?;
     let shown = show::all(&mut reader, &recording);
-    output::close(&recording)?;
+    output::close(recording)?;
     shown
 }

@@ -110,7 +110,7 @@ pub(super) fn activation(frame: u32, map: &features::ActivationMap) -> Activatio
 
 /// A share of 0 to 1 as 0 to 255.
 fn quantised(share: f32) -> u8 {
-    (share.clamp(0.0, 1.0) * 255.0).round() as u8
+    (share.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
 /// Where each feature is in the image: lens distortion, which frames are free of, put back.
