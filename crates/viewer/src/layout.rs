@@ -57,11 +57,13 @@ pub(crate) const SUMMARY: &str = "summary";
 /// Stages whose times are shown at first; the others are steps of these.
 const STAGES: [&str; 5] = ["decode", "extract", "track", "map", "loop"];
 
-/// Which views there are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Which views there are; each adds one to those before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Views {
-    /// Those of every run.
-    Usual,
+    /// Those of every stream.
+    WithoutImage,
+    /// Also the image.
+    WithImage,
     /// Also the image under its activation.
     WithActivation,
 }
@@ -74,8 +76,11 @@ pub(crate) fn layout(views: Views) -> Blueprint {
         format!("- {ACTIVATION}"),
     ]);
     let left = Vertical::new([ContainerLike::from(space), times().into()]).with_row_shares([3.0, 1.0]);
-    let mut side = vec![image().into()];
-    if views == Views::WithActivation {
+    let mut side: Vec<ContainerLike> = Vec::new();
+    if views >= Views::WithImage {
+        side.push(image().into());
+    }
+    if views >= Views::WithActivation {
         side.push(activation().into());
     }
     side.extend([counts().into(), texts().into()]);

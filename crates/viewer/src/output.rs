@@ -19,7 +19,7 @@ const CONNECT: Duration = Duration::from_secs(3);
 /// # Errors
 /// A viewer that is not there, a file that cannot be written.
 pub(crate) fn open(args: &Args) -> Result<RecordingStream> {
-    let builder = RecordingStreamBuilder::new("dsslam").with_blueprint(layout(Views::Usual));
+    let builder = RecordingStreamBuilder::new("dsslam").with_blueprint(layout(Views::WithoutImage));
     let recording = match (&args.save, &args.connect) {
         (Some(file), _) => {
             builder.save(file).with_context(|| format!("{}: cannot be written", file.display()))
@@ -48,7 +48,7 @@ pub(crate) fn close(recording: RecordingStream) -> Result<()> {
         // Its destructor would wait for the viewer for ever.
         std::mem::forget(recording);
     }
-    flushed.context("not everything could be handed to the viewer")
+    flushed.context("not everything could be handed to the viewer (where there is no screen, --save, of a run --rerun-save, writes a file)")
 }
 
 /// Whether anybody listens at a URL; Rerun itself would try for ever.

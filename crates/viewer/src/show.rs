@@ -46,7 +46,7 @@ pub(crate) fn all(reader: &mut Reader, to: &RecordingStream) -> Result<()> {
         image_depth: FIRST_IMAGE_DEPTH,
         alignment: None,
         plots: Plots::default(),
-        has_activation: false,
+        views: Views::WithoutImage,
     };
     to.log_static(layout::WORLD, &ViewCoordinates::RIGHT_HAND_Y_DOWN())?;
     while let Some(record) = reader.next_record()? {
@@ -72,8 +72,8 @@ struct Show<'a> {
     image_depth: f64,
     alignment: Option<Alignment>,
     plots: Plots,
-    /// Whether there have been activation maps.
-    has_activation: bool,
+    /// The views as they are laid out.
+    views: Views,
 }
 
 impl Show<'_> {
@@ -200,7 +200,17 @@ impl Show<'_> {
         self.to.log(layout::FEATURE_ACTIVATION, &points.with_radii([Radius::new_ui_points(3.0)]))
     }
 
+    /// Lays the views out anew if there is something to show that has no view yet.
+    fn lay_out(&mut self, views: Views) -> RecordingStreamResult<()> {
+        if views <= self.views {
+            return Ok(());
+        }
+        self.views = views;
+        layout(views).send(self.to, BlueprintActivation::default())
+    }
+
     fn show_image(&mut self, image: &Image) -> RecordingStreamResult<()> {
+        self.lay_out(Views::WithImage)?;
         if image.size != self.image_size {
             self.pinhole(image.size)?;
         }
@@ -211,9 +221,7 @@ impl Show<'_> {
 
     /// The activation map in colours over the image, in the image's size.
     fn activation(&mut self, map: &ActivationMap) -> RecordingStreamResult<()> {
-        if !std::mem::replace(&mut self.has_activation, true) {
-            layout(Views::WithActivation).send(self.to, BlueprintActivation::default())?;
-        }
+        self.lay_out(Views::WithActivation)?;
         self.at(map.frame);
         let [width, height] = self.image_size;
         let of = |x: u32, y: u32| {

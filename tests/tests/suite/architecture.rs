@@ -177,3 +177,22 @@ fn every_configuration_is_valid() {
     }
     assert!(n_files >= 2, "configs/ holds {n_files} files");
 }
+
+/// Files and streams of Rerun are read by the viewer of the same version: whoever names one names the same.
+#[test]
+fn rerun_has_one_version() {
+    let read = |file: &str| fs::read_to_string(root().join(file)).unwrap();
+    let cargo = read("Cargo.toml");
+    let line = cargo.lines().find(|line| line.starts_with("rerun = ")).unwrap();
+    let version = line.split('"').nth(1).unwrap().trim_start_matches('=');
+    for (file, before) in [
+        ("README.md", "rerun-sdk=="),
+        ("crates/cli/src/doctor/checks.rs", "RERUN_VERSION: &str = \""),
+        ("crates/viewer/src/output.rs", "rerun-sdk=="),
+    ] {
+        assert!(
+            read(file).contains(&format!("{before}{version}")),
+            "{file} names another version than {version}"
+        );
+    }
+}

@@ -7,9 +7,12 @@ use bow::Vocabulary;
 
 use super::{Finding, probe};
 
+/// Version of the Rerun viewer that `dsslam-rerun` was made for; the same as in `Cargo.toml`.
+const RERUN_VERSION: &str = "0.36.3";
+
 /// Everything, in the order in which it is printed.
 pub(super) fn all() -> Vec<Finding> {
-    vec![program(), processor(), vocabulary(), results(), data(), onnx_runtime(), video(), viewer()]
+    vec![program(), processor(), vocabulary(), results(), data(), onnx_runtime(), video(), feeder(), viewer()]
 }
 
 fn program() -> Finding {
@@ -86,13 +89,28 @@ fn video() -> Finding {
     }
 }
 
-fn viewer() -> Finding {
+fn feeder() -> Finding {
     match probe::find_program("dsslam-rerun") {
-        Some(program) => Finding::ok("viewer", program.display().to_string()),
+        Some(program) => Finding::ok("dsslam-rerun", program.display().to_string()),
         None => Finding::optional(
-            "viewer",
-            "dsslam-rerun not found: runs cannot be watched in Rerun",
+            "dsslam-rerun",
+            "not found: runs cannot be watched in Rerun",
             "./install.sh --rerun",
         ),
+    }
+}
+
+/// The viewer itself, which shows files and streams of its own version.
+fn viewer() -> Finding {
+    let remedy = format!("pip install rerun-sdk=={RERUN_VERSION}");
+    let Some(program) = probe::find_program("rerun") else {
+        return Finding::optional("Rerun viewer", "`rerun` not found: no window opens", remedy);
+    };
+    let version = probe::version_of(&program).unwrap_or_else(|| "an unknown version".to_owned());
+    let found = format!("{version}, {}", program.display());
+    if version == RERUN_VERSION {
+        Finding::ok("Rerun viewer", found)
+    } else {
+        Finding::optional("Rerun viewer", format!("{found}: {RERUN_VERSION} is wanted"), remedy)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::env;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// A program beside this one or on the `PATH`.
 pub(super) fn find_program(name: &str) -> Option<PathBuf> {
@@ -17,6 +18,12 @@ pub(super) fn find_program(name: &str) -> Option<PathBuf> {
 fn is_program(file: &Path) -> bool {
     use std::os::unix::fs::PermissionsExt;
     file.metadata().is_ok_and(|data| data.is_file() && data.permissions().mode() & 0o111 != 0)
+}
+
+/// What a program calls its version: the second word of what it prints.
+pub(super) fn version_of(program: &Path) -> Option<String> {
+    let output = Command::new(program).arg("--version").output().ok()?;
+    String::from_utf8_lossy(&output.stdout).split_whitespace().nth(1).map(str::to_owned)
 }
 
 /// The processor's name, where `/proc` tells it.
@@ -60,6 +67,13 @@ pub(super) fn sequences_in(folder: &Path) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_program_tells_its_version() {
+        assert_eq!(version_of(Path::new("/no/such/program")), None);
+        let version = version_of(&find_program("cargo").unwrap()).unwrap();
+        assert!(version.starts_with("1."), "{version}");
+    }
 
     #[test]
     fn only_files_that_can_be_run_are_programs() {
