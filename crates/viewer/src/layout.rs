@@ -83,7 +83,7 @@ pub(crate) fn layout(views: Views) -> Blueprint {
     if views >= Views::WithActivation {
         side.push(activation().into());
     }
-    side.extend([counts().into(), texts().into()]);
+    side.extend([counts().into(), texts(views).into()]);
     let right = Vertical::new(side);
     let root = Horizontal::new([ContainerLike::from(left), right.into()]).with_column_shares([3.0, 2.0]);
     Blueprint::new(root)
@@ -134,11 +134,16 @@ fn counts() -> Tabs {
     ])
 }
 
-fn texts() -> Tabs {
-    Tabs::new([
+/// The log first, but of a stream without images, which is made out of a run's files and has no log, the summary.
+fn texts(views: Views) -> Tabs {
+    let mut texts = [
         ContainerLike::from(TextLogView::new("log").with_origin(LOG)),
         TextDocumentView::new("summary").with_origin(SUMMARY).into(),
-    ])
+    ];
+    if views == Views::WithoutImage {
+        texts.reverse();
+    }
+    Tabs::new(texts)
 }
 
 /// The name of a block of something; names sort like the blocks.
