@@ -70,10 +70,11 @@ pub(crate) fn body_of_text(text: &str) -> Result<Option<SE3>> {
     }
     let numbers = words.iter().map(|word| word.parse()).collect::<Result<Vec<f64>, _>>();
     let rows = numbers.ok().and_then(|numbers| <[f64; 12]>::try_from(numbers).ok());
-    let pose = rows.map(|rows| SE3::from_rows_3x4(&rows));
+    // Reading makes a rotation of what is nearly one.
     let is_rigid =
-        |pose: &SE3| pose.is_finite() && (pose.matrix() - pose.normalized().matrix()).amax() < 1e-6;
-    let pose = pose.filter(is_rigid);
+        |rows: &[f64; 12], pose: &SE3| rows.iter().zip(pose.rows_3x4()).all(|(a, b)| (a - b).abs() < 1e-6);
+    let read = |rows: [f64; 12]| Some(SE3::from_rows_3x4(&rows)).filter(|pose| is_rigid(&rows, pose));
+    let pose = rows.filter(|rows| rows.iter().all(|number| number.is_finite())).and_then(read);
     pose.with_context(|| format!("body_from_left: found `{text}`, expected the 12 numbers of a 3x4 pose"))
         .map(Some)
 }
