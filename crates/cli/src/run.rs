@@ -42,7 +42,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let preparation = Preparation::new(&sequence, config.input.scale);
     let wanted = setup::wanted_mask(&config, size).or_input()?;
     setup.mask = preparation.mask(&setup.extractor, wanted.as_ref()).map(Arc::new);
-    setup.selection = network::selection(&config.features.with_sensor(sequence.sensor), &args.network).or_input()?;
+    setup.selection =
+        network::selection(&config.features.with_sensor(sequence.sensor), &args.network).or_input()?;
     places::complete(&mut setup, args, sequence.sensor)?;
     if video::is_camera(&args.sequence) && setup.calibration_frames > 0 {
         setup.calibration_frames = 0;
