@@ -22,7 +22,7 @@ from . import losses
 from .augment import light
 from .data import DYNAMIC, STATIC, Scenes, add_folders, load, need
 from .metrics import Tally
-from .network import DSFeat
+from .network import DSFeat, multiply_adds
 
 SIZE = 256
 #: Channels of the levels.
@@ -105,7 +105,12 @@ class DeepLab(nn.Module):
         return F.interpolate(self.head(x), size=size, mode="bilinear", align_corners=False)
 
 
-BACKBONES = {"SegNet": SegNet, "U-Net": UNet, "DeepLab v3": DeepLab, "ours": DSFeat}
+def wide() -> DSFeat:
+    """Our network as the hybrid run has it."""
+    return DSFeat((12, 32, 80), (1, 2, 4, 8, 1, 2, 4, 8))
+
+
+BACKBONES = {"SegNet": SegNet, "U-Net": UNet, "DeepLab v3": DeepLab, "ours": DSFeat, "ours, wide": wide}
 
 
 def square(scenes: Scenes, i: int) -> tuple[np.ndarray, np.ndarray]:
@@ -175,6 +180,7 @@ def main() -> None:
             train(network, scenes, args.steps, args.batch, args.seed)
             result = measure(network, held_out, args.limit)
             result["parameters"] = sum(p.numel() for p in network.parameters())
+            result["gflop"] = 2e-9 * multiply_adds(network, SIZE, SIZE)
             found.setdefault(validation, {})[name] = {k: round(v, 4) for k, v in result.items()}
             print(f"{validation:15} {name:11}", " ".join(f"{k} {v:.3f}" for k, v in result.items()), flush=True)
     if args.json:

@@ -111,12 +111,13 @@ def multiply_adds(network: nn.Module, height: int = HEIGHT, width: int = WIDTH, 
     """Multiplications with addition of all convolutions for one image; FLOP counts twice that."""
     total = 0
 
-    def count(module: nn.Conv2d, _inputs: tuple, output: torch.Tensor) -> None:
+    def count(module: nn.Conv2d | nn.ConvTranspose2d, _inputs: tuple, output: torch.Tensor) -> None:
         nonlocal total
         kernel = module.kernel_size[0] * module.kernel_size[1] * module.in_channels // module.groups
-        total += kernel * output[0].numel()
+        spread = module.stride[0] * module.stride[1] if isinstance(module, nn.ConvTranspose2d) else 1
+        total += kernel * output[0].numel() // spread
 
-    hooks = [m.register_forward_hook(count) for m in network.modules() if isinstance(m, nn.Conv2d)]
+    hooks = [m.register_forward_hook(count) for m in network.modules() if isinstance(m, (nn.Conv2d, nn.ConvTranspose2d))]
     was_training = network.training
     network.eval()
     with torch.no_grad():
