@@ -49,11 +49,11 @@ impl FrameFeed for RenderedFeed<'_> {
 pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let watch = StopWatch::start();
     let mut config = Config::load(None, &args.overrides).or_input()?;
+    let world = render::world(&args.world).or_input()?;
     let viewer = show::viewer(&args.show)?;
     let stop = stop::on_signal();
     let name = args.world.preset.name();
     let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), name).or_output()?;
-    let world = render::world(&args.world);
     let feed = RenderedFeed { world: &world, len: render::n_frames(&args.world, &world) };
     let notices = config.apply_calibration(&calibration(&world));
     let (width, height) = world.image_size();

@@ -73,7 +73,8 @@ pub(crate) fn synth() -> String {
 Examples:
   dsslam synth /tmp/town --preset town --frames 60
   dsslam run /tmp/town
-  dsslam synth /tmp/raw --layout euroc --lens fisheye --frames 100",
+  dsslam synth /tmp/raw --layout euroc --lens fisheye --frames 100
+  dsslam synth /tmp/twice --rounds 2 --relight",
     )
 }
 
@@ -96,7 +97,8 @@ Examples:
   dsslam places town --selection trad --every 2 --out /tmp/places
 
 Selections: trad (highest response), seman (the same off what may move), ours (highest activation).
-Files: places.csv (a row per query and selection), curves.csv, precision_recall.png and .svg.",
+weights.words=true (--set) makes words count as far as their features are trusted.
+Files: areas.csv (a row per selection), places.csv (a row per query), curves.csv, precision_recall.png and .svg.",
     )
 }
 

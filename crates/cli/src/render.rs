@@ -2,8 +2,8 @@
 
 use std::sync::atomic::Ordering;
 
-use anyhow::anyhow;
-use synth::{Continue, World, WriteOptions, write_euroc, write_kitti};
+use anyhow::{Result, anyhow, ensure};
+use synth::{Continue, Preset, World, WriteOptions, write_euroc, write_kitti};
 
 use crate::args::{LayoutArg, SynthArgs, WorldArgs};
 use crate::console;
@@ -18,9 +18,9 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Exit, Failure> {
     if args.layout == LayoutArg::Euroc && (args.masks || args.depth) {
         return Err(anyhow!("--masks and --depth need --layout kitti")).or_input();
     }
+    let world = world(&args.world).or_input()?;
     let stop = stop::on_signal();
     io::create_output_folder(&args.out).or_output()?;
-    let world = world(&args.world);
     let n_frames = n_frames(&args.world, &world);
     let bar = console::bar(Some(n_frames as u64), "{bar:24} {pos}/{len} frames");
     let options = WriteOptions { max_frames: Some(n_frames), masks: args.masks, depth: args.depth };
@@ -41,8 +41,22 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Exit, Failure> {
 }
 
 /// The world that the arguments describe.
-pub(crate) fn world(args: &WorldArgs) -> World {
-    World::new(args.preset, args.seed, args.rounds)
+///
+/// # Errors
+/// Other light for rounds that there are not.
+pub(crate) fn world(args: &WorldArgs) -> Result<World> {
+    if args.relight {
+        ensure!(
+            args.rounds > 1,
+            "--relight changes the light of the second round and later ones, but found --rounds 1"
+        );
+        ensure!(
+            args.preset != Preset::Facades,
+            "--relight changes the light from round to round, but the street of --preset facades is driven once"
+        );
+    }
+    let world = World::new(args.preset, args.seed, args.rounds);
+    Ok(if args.relight { world.relit() } else { world })
 }
 
 /// How many frames are wanted, at most the whole drive.

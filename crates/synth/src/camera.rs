@@ -1,5 +1,6 @@
 //! The camera, and what it sees of the world: transformed, culled, clipped polygons ready for scan conversion.
 
+use crate::daylight::{Haze, Light};
 use crate::mesh::{Instance, Layer, Mesh, Polygon, SurfaceKind, V3};
 use crate::texture::TextureId;
 use geometry::Pinhole;
@@ -18,9 +19,6 @@ const NEAR_M: f64 = 0.25;
 const FAR_M: f64 = 320.0;
 /// Objects with a smaller radius in the image are not drawn, pixels.
 const MIN_RADIUS_PX: f64 = 0.8;
-/// Light from all around, and the sun's part.
-const AMBIENT: f64 = 0.74;
-const SUN: f64 = 0.62;
 /// Leafy cards are not drawn when the view is nearly along them: sine of the angle.
 const EDGE_ON: f64 = 0.1;
 /// A decal counts as nearer by this share.
@@ -62,14 +60,10 @@ pub(crate) struct Prepared {
     pub(crate) detail: Option<(TextureId, [f64; 2])>,
     pub(crate) kind: SurfaceKind,
     pub(crate) gain: f32,
+    pub(crate) haze: Haze,
     /// Factor on inverse depth in the depth test.
     pub(crate) bias: f64,
     pub(crate) label: u8,
-}
-
-/// Direction towards the sun.
-fn sun() -> V3 {
-    V3::new(0.5, -0.75, -0.42).normalize()
 }
 
 /// Sample coordinate of a pixel coordinate: samples lie at integers, pixel centres between them.
@@ -78,7 +72,7 @@ pub(crate) fn sample_of_pixel(pixel: f64) -> f64 {
 }
 
 /// All polygons of `instances` that can be seen, nearest objects first, then ground, then sky.
-pub(crate) fn prepare(view: &View, meshes: &[Mesh], instances: &[Instance]) -> Vec<Prepared> {
+pub(crate) fn prepare(view: &View, meshes: &[Mesh], instances: &[Instance], light: &Light) -> Vec<Prepared> {
     let mut order: Vec<(Layer, f64, usize)> = instances
         .iter()
         .enumerate()
@@ -93,7 +87,7 @@ pub(crate) fn prepare(view: &View, meshes: &[Mesh], instances: &[Instance]) -> V
     order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     let mut prepared = Vec::with_capacity(order.len() * 8);
     for (_, _, i) in order {
-        prepare_instance(view, &meshes[instances[i].mesh as usize], &instances[i], &mut prepared);
+        prepare_instance(view, &meshes[instances[i].mesh as usize], &instances[i], light, &mut prepared);
     }
     prepared
 }
@@ -119,11 +113,11 @@ fn may_be_seen(view: &View, center: &V3, radius: f64) -> bool {
         || outside(0.0, -camera.fy, h - camera.cy))
 }
 
-fn prepare_instance(view: &View, mesh: &Mesh, instance: &Instance, out: &mut Vec<Prepared>) {
+fn prepare_instance(view: &View, mesh: &Mesh, instance: &Instance, light: &Light, out: &mut Vec<Prepared>) {
     let rotation = view.rotation * instance.placement.rotation();
     let translation = view.rotation * (instance.placement.position - view.center);
     let vertices: Vec<V3> = mesh.vertices.iter().map(|p| rotation * p + translation).collect();
-    let sun_cam = view.rotation * sun();
+    let sun_cam = view.rotation * light.sun;
     for polygon in &mesh.polygons {
         let corners = &vertices[polygon.first as usize..(polygon.first + polygon.count) as usize];
         let normal = rotation * polygon.normal;
@@ -135,26 +129,29 @@ fn prepare_instance(view: &View, mesh: &Mesh, instance: &Instance, out: &mut Vec
             continue;
         }
         let Some(outline) = Outline::new(view, corners) else { continue };
-        let gain = polygon.surface.gain * instance.gain * light(&normal, &sun_cam, polygon.surface.kind);
+        let gain =
+            polygon.surface.gain * instance.gain * brightness(light, &normal, &sun_cam, polygon.surface.kind);
         let texture = |map: &(V3, f64)| {
             let gradient = rotation * map.0;
             (gradient, map.1 - gradient.dot(&translation))
         };
         let planes = Planes::new(view, &normal, offset, texture(&polygon.u), texture(&polygon.v));
-        out.push(finish(outline, planes, polygon, gain, instance.label));
+        out.push(finish(outline, planes, polygon, gain, instance.label, light.haze()));
     }
 }
 
-fn light(normal: &V3, sun_cam: &V3, kind: SurfaceKind) -> f64 {
+/// Factor on a surface's grey value.
+fn brightness(light: &Light, normal: &V3, sun_cam: &V3, kind: SurfaceKind) -> f64 {
+    let Light { ambient, direct, .. } = light;
     match kind {
-        SurfaceKind::Emissive => 1.0,
+        SurfaceKind::Emissive => light.sky,
         // Leaves scatter: both sides are equally bright.
-        SurfaceKind::CutOut => AMBIENT + 0.6 * SUN * normal.dot(sun_cam).abs(),
-        SurfaceKind::Solid | SurfaceKind::Decal => AMBIENT + SUN * normal.dot(sun_cam).max(0.0),
+        SurfaceKind::CutOut => ambient + 0.6 * direct * normal.dot(sun_cam).abs(),
+        SurfaceKind::Solid | SurfaceKind::Decal => ambient + direct * normal.dot(sun_cam).max(0.0),
     }
 }
 
-fn finish(outline: Outline, planes: Planes, polygon: &Polygon, gain: f64, label: u8) -> Prepared {
+fn finish(outline: Outline, planes: Planes, polygon: &Polygon, gain: f64, label: u8, haze: Haze) -> Prepared {
     let surface = &polygon.surface;
     Prepared {
         edges: outline.edges,
@@ -168,6 +165,7 @@ fn finish(outline: Outline, planes: Planes, polygon: &Polygon, gain: f64, label:
         detail: surface.detail,
         kind: surface.kind,
         gain: gain as f32,
+        haze,
         bias: if surface.kind == SurfaceKind::Decal { 1.0 + DECAL_BIAS } else { 1.0 },
         label,
     }

@@ -2,14 +2,15 @@
 //! cars.
 //!
 //! Start reading at [`World`] (any frame of a drive) and [`write_kitti`] and [`write_euroc`] (a whole drive as files). Inside: `course` and `drive` (where
-//! the camera is), `town` (what stands where), `traffic` (what moves), `camera` and `raster` (how it is drawn).
+//! the camera is), `town` (what stands where), `traffic` (what moves), `daylight` (what lights it), `camera` and `raster` (how it is drawn).
 //!
-//! World and camera axes: x right, y down, z forward; metres. Everything follows from preset, seed and number of rounds; frames do not
+//! World and camera axes: x right, y down, z forward; metres. Everything follows from preset, seed, number of rounds and whether these are relit; frames do not
 //! depend on each other nor on the number of threads.
 
 mod camera;
 mod canvas;
 mod course;
+mod daylight;
 mod drive;
 mod facade;
 mod furniture;

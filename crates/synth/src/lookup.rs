@@ -16,9 +16,6 @@ const DITHER: [f32; 2] = [0.25, 0.75];
 const LOD_BIAS: f32 = -0.5;
 /// Coarser detail levels are flat and are not read.
 const MAX_DETAIL_LEVEL: f32 = 4.5;
-/// Distance at which half of a colour is haze, metres, and the haze's grey value times 256.
-const HAZE_M: f32 = 1000.0;
-const HAZE: f32 = 210.0 * 256.0;
 
 /// How to colour the pairs of samples of a stretch.
 pub(crate) struct Lookup<'a> {
@@ -68,14 +65,16 @@ impl<'a> Lookup<'a> {
             let walk = || curve.walk(&Footprint { taps: 1, ..footprint }, ratio);
             (lod < MAX_DETAIL_LEVEL).then(|| (level(library.texture(id), lod + dither), walk()))
         });
-        let fog = if polygon.kind == SurfaceKind::Emissive { 0.0 } else { z as f32 / (z as f32 + HAZE_M) };
+        let haze = polygon.haze;
+        let fog =
+            if polygon.kind == SurfaceKind::Emissive { 0.0 } else { z as f32 / (z as f32 + haze.half_m) };
         Self {
             base: level(library.texture(polygon.texture), footprint.lod + dither),
             base_at: curve.walk(&footprint, [1.0; 2]),
             detail,
             taps: footprint.taps,
             scale: polygon.gain * (1.0 - fog) / footprint.taps as f32,
-            haze: HAZE * fog,
+            haze: haze.tone * fog,
         }
     }
 

@@ -28,7 +28,7 @@ pub(crate) fn picture(
     library: &Library,
     shot: &Shot,
 ) -> GrayImage {
-    let prepared = prepare(view, meshes, instances);
+    let prepared = prepare(view, meshes, instances, &shot.light);
     let mut gray = GrayImage::new(WIDTH, HEIGHT, 0);
     gray.data.par_chunks_mut(BAND_ROWS * WIDTH).enumerate().for_each_init(
         Workspace::new,
@@ -47,7 +47,7 @@ pub(crate) fn picture_and_truth(
     library: &Library,
     shot: &Shot,
 ) -> (GrayImage, Truth) {
-    let prepared = prepare(view, meshes, instances);
+    let prepared = prepare(view, meshes, instances, &shot.light);
     let mut gray = GrayImage::new(WIDTH, HEIGHT, 0);
     let mut depth_m = Raster::new(WIDTH, HEIGHT, 0.0);
     let mut labels = Raster::new(WIDTH, HEIGHT, LABEL_SKY);
@@ -103,6 +103,7 @@ impl Workspace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::daylight::Light;
     use crate::library::Recipe;
     use crate::materials::Material;
     use crate::mesh::{Layer, Placement, Surface, SurfaceKind, V3};
@@ -139,7 +140,8 @@ mod tests {
             })
             .collect();
         let library = Library::bake(&[Recipe::Material(Material::Concrete, 1)]);
-        picture_and_truth(&view(), meshes, &instances, &library, &Sensor::new(1).shot(Eye::Left, 0, 0.0))
+        let shot = Sensor::new(1).shot(Eye::Left, 0, 0.0, Light::noon());
+        picture_and_truth(&view(), meshes, &instances, &library, &shot)
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! From light to grey values: exposure that changes slowly, vignetting, noise that is new in every frame.
 
 use crate::camera::{HEIGHT, WIDTH};
+use crate::daylight::Light;
 use crate::noise::Wander;
 use geometry::mix_seed;
 use rand::{RngCore, SeedableRng};
@@ -28,12 +29,14 @@ pub(crate) enum Eye {
     Right,
 }
 
-/// A sensor at one moment.
+/// A sensor at one moment, and the light it takes.
 #[derive(Clone, Debug)]
 pub(crate) struct Shot {
     gain: f32,
+    contrast: f32,
     seed: u64,
     vignette: f32,
+    pub(crate) light: Light,
 }
 
 impl Sensor {
@@ -42,15 +45,17 @@ impl Sensor {
     }
 
     /// Settings for frame `index` at time `t`; the two cameras differ by 1.5 %.
-    pub(crate) fn shot(&self, eye: Eye, index: usize, t: f64) -> Shot {
+    pub(crate) fn shot(&self, eye: Eye, index: usize, t: f64, light: Light) -> Shot {
         let (own, purpose) = match eye {
             Eye::Left => (1.0, 11),
             Eye::Right => (1.015, 12),
         };
         Shot {
-            gain: (own * (1.0 + self.exposure.at(t))) as f32,
+            gain: (own * (1.0 + self.exposure.at(t)) * light.exposure) as f32,
+            contrast: light.contrast as f32,
             seed: mix_seed(self.seed, index as u64, purpose),
             vignette: VIGNETTE,
+            light,
         }
     }
 }
@@ -70,6 +75,8 @@ impl Shot {
         for (x, ((out, tone), bytes)) in out.iter_mut().zip(tones).zip(random.chunks_exact(4)).enumerate() {
             let r_sq = ((x as f32 - cx).powi(2) + dy_sq) / (cx * cx + cy * cy);
             let light = f32::from(*tone) / 256.0 * self.gain * (1.0 - self.vignette * r_sq);
+            // Rises with the light, for any contrast within -1..1; black stays, and so does middle grey.
+            let light = light * (1.0 + self.contrast * (light / 255.0 - 0.5));
             let sum = u32::from(bytes[0]) + u32::from(bytes[1]) + u32::from(bytes[2]) + u32::from(bytes[3]);
             let sigma = NOISE + SHOT_NOISE * light / 255.0;
             *out = (light + sigma * (sum as f32 - 510.0) / FOUR_BYTES + 0.5) as u8;
@@ -87,7 +94,7 @@ mod tests {
         let tones = [100 * 256_u16; WIDTH];
         let row = |index: usize, y: usize, eye: Eye| {
             let mut out = [0; WIDTH];
-            sensor.shot(eye, index, 0.0).expose(y, &tones, &mut out);
+            sensor.shot(eye, index, 0.0, Light::noon()).expose(y, &tones, &mut out);
             out
         };
         let a = row(3, 188, Eye::Left);

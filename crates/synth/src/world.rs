@@ -2,6 +2,7 @@
 
 use crate::camera::{HEIGHT, View, WIDTH};
 use crate::course::Course;
+use crate::daylight::{Daylight, Light};
 use crate::drive::{Drive, Stop};
 use crate::layout::SideStreet;
 use crate::lens::{LensCamera, Redrawing};
@@ -66,6 +67,8 @@ pub struct World {
     library: Library,
     traffic: Traffic,
     sensor: Sensor,
+    daylight: Daylight,
+    relit: bool,
     first_from_world: SE3,
     n_frames: usize,
 }
@@ -107,9 +110,26 @@ impl World {
             library,
             traffic,
             sensor: Sensor::new(seed),
+            daylight: Daylight::steady(),
+            relit: false,
             first_from_world,
             n_frames,
         }
+    }
+
+    /// The same world in other light in each round after the first: by turns a low, strong sun from another side with hard
+    /// contrast, and an overcast, hazy sky; exposure differs, too. Geometry, vehicles, depth and labels stay as they are. A world whose
+    /// course is open or driven once keeps its light.
+    #[must_use]
+    pub fn relit(self) -> Self {
+        let rounds = if self.course.closed { self.rounds } else { 1 };
+        Self { daylight: Daylight::relit(self.seed, rounds, self.course.length), relit: true, ..self }
+    }
+
+    /// Whether rounds after the first have light of their own.
+    #[must_use]
+    pub fn is_relit(&self) -> bool {
+        self.relit
     }
 
     /// Kind of world.
@@ -181,7 +201,7 @@ impl World {
         let moment = self.moment(i);
         let (left, right) = rayon::join(
             || {
-                let shot = self.sensor.shot(Eye::Left, i, moment.t);
+                let shot = self.sensor.shot(Eye::Left, i, moment.t, moment.light);
                 render::picture_and_truth(
                     &moment.views[0],
                     &self.meshes,
@@ -218,7 +238,7 @@ impl World {
     }
 
     fn picture(&self, moment: &Moment, eye: Eye, i: usize) -> GrayImage {
-        let shot = self.sensor.shot(eye, i, moment.t);
+        let shot = self.sensor.shot(eye, i, moment.t, moment.light);
         let view = &moment.views[usize::from(eye == Eye::Right)];
         render::picture(view, &self.meshes, &moment.instances, &self.library, &shot)
     }
@@ -234,7 +254,8 @@ impl World {
         };
         let mut instances = self.still.clone();
         instances.extend(self.traffic.instances(&self.course, &self.drive, t));
-        Moment { t, views: [view(0.0), view(rig.baseline_m)], instances }
+        let light = self.daylight.at(self.drive.driven(t));
+        Moment { t, views: [view(0.0), view(rig.baseline_m)], instances, light }
     }
 }
 
@@ -253,7 +274,7 @@ impl LensRig<'_> {
         let moment = world.moment(i);
         let world_from_rig = world.drive.pose(&world.course, moment.t);
         let image = |eye: Eye| {
-            let shot = world.sensor.shot(eye, i, moment.t);
+            let shot = world.sensor.shot(eye, i, moment.t, moment.light);
             self.redrawings[usize::from(eye == Eye::Right)].image(&world_from_rig, |view, tile| {
                 let shot = shot.of_tile(tile);
                 render::picture(view, &world.meshes, &moment.instances, &world.library, &shot)
@@ -270,6 +291,7 @@ struct Moment {
     /// Left and right camera.
     views: [View; 2],
     instances: Vec<Instance>,
+    light: Light,
 }
 
 /// The drive, with halts before crossings where the preset wants them.

@@ -171,6 +171,8 @@ struct Description {
     preset: Preset,
     seed: u64,
     rounds: u32,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    relit: bool,
     frames: usize,
     frame_rate_hz: f64,
     course_length_m: f64,
@@ -199,6 +201,7 @@ fn description(world: &World, options: &WriteOptions, frames: usize) -> String {
         preset: world.preset(),
         seed: world.seed(),
         rounds: world.rounds(),
+        relit: world.is_relit(),
         frames,
         frame_rate_hz: crate::world::FRAME_RATE_HZ,
         course_length_m: world.course_length_m(),

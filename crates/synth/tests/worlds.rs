@@ -257,3 +257,31 @@ fn near_and_far_surfaces_have_corners() {
         assert!(share > 0.004, "{share} of {all}");
     }
 }
+
+#[test]
+fn relighting_changes_grey_values_of_later_rounds_and_nothing_else() {
+    let relit = World::new(Preset::Town, 7, 2).relit();
+    let second = TOWN.n_frames() / 2 + 150;
+    assert!(relit.frame(200) == TOWN.frame(200));
+    let (a, b) = (TOWN.frame(second), relit.frame(second));
+    assert!(a.labels == b.labels && a.depth_m == b.depth_m && a.world_from_cam == b.world_from_cam);
+    let change = |a: &GrayImage, b: &GrayImage| -> Vec<f64> {
+        a.data.iter().zip(&b.data).map(|(a, b)| f64::from(*b) - f64::from(*a)).collect()
+    };
+    let changes = change(&a.left, &b.left);
+    let typical = median(changes.iter().map(|d| d.abs()).collect());
+    assert!(typical > 12.0, "{typical}");
+    // More than another exposure: walls that the sun left turn darker while others turn brighter.
+    let count = |wanted: &dyn Fn(f64) -> bool| changes.iter().filter(|d| wanted(**d)).count();
+    let (darker, brighter) = (count(&|d| d < -10.0), count(&|d| d > 10.0));
+    assert!(darker.min(brighter) > changes.len() / 50, "{darker} {brighter}");
+    // Both cameras see the same light.
+    let pair = median(change(&b.left, &b.right).iter().map(|d| d.abs()).collect());
+    assert!(pair < typical, "{pair}");
+    // A street that is driven once keeps its light.
+    let [street, relit] = [false, true].map(|relight| {
+        let world = World::new(Preset::Facades, 7, 1);
+        if relight { world.relit() } else { world }.images(100)
+    });
+    assert!(street == relit);
+}

@@ -115,10 +115,15 @@ fn places_seen_twice_are_recognised() {
     call.expect_success();
     let rows: Vec<&str> = call.stdout.lines().filter(|l| l.ends_with('%')).collect();
     assert_eq!(rows.len(), 3, "{call}");
-    assert!(rows.iter().all(|row| row.ends_with(" 100.0%")), "{call}");
+    assert!(rows.iter().all(|row| row.split_whitespace().nth(1) == Some("100.0%")), "{call}");
     assert!(out.path().join("precision_recall.png").is_file());
     let table = fs::read_to_string(out.path().join("places.csv")).unwrap();
     assert_eq!(table.lines().count(), 1 + 3 * N, "a row per query and selection");
+    // Every frame of the second visit, and none of the first, shows a place again.
+    let areas = fs::read_to_string(out.path().join("areas.csv")).unwrap();
+    for (row, name) in areas.lines().skip(1).zip(["trad", "seman", "ours"]) {
+        assert!(row.starts_with(&format!("{name},{},{N},", 2 * N)), "{areas}");
+    }
 }
 
 #[test]

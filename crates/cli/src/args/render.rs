@@ -90,6 +90,10 @@ pub(crate) struct WorldArgs {
     /// How often the closed course is driven.
     #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub(crate) rounds: u32,
+    /// Other light in each round after the first, by turns a low, strong sun from another side with hard contrast, and an overcast, hazy
+    /// sky, with another exposure; needs --rounds. Geometry, traffic, depth and labels stay as they are.
+    #[arg(long)]
+    pub(crate) relight: bool,
     /// Seed of the world: equal seeds give equal images.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,

@@ -45,6 +45,13 @@ pub(crate) struct Outcome {
     by_inliers: PrecisionRecallCurve,
 }
 
+impl Outcome {
+    /// Queries for which a frame of the same place was retrieved.
+    fn n_right(&self) -> usize {
+        self.answers.iter().filter(|a| a.is_correct).count()
+    }
+}
+
 /// Recognises, scores, writes and prints.
 ///
 /// # Errors
@@ -56,7 +63,7 @@ pub(crate) fn run(args: &PlacesArgs) -> Result<Exit, Failure> {
         if args.selection.is_empty() { PlaceSelection::ALL.to_vec() } else { args.selection.clone() };
     let truth = truth::of(&sequence, args).or_input()?;
     let vocabulary = places::vocabulary(args.vocab.as_deref()).or_input()?;
-    let mut describer = Describer::new(args, &config.features, &selections, vocabulary).or_input()?;
+    let mut describer = Describer::new(args, &config, &selections, vocabulary).or_input()?;
     io::create_output_folder(&args.out).or_output()?;
     let images: Vec<&Path> =
         sequence.frames.iter().step_by(args.every as usize).map(|frame| frame.left.as_path()).collect();
@@ -67,7 +74,7 @@ pub(crate) fn run(args: &PlacesArgs) -> Result<Exit, Failure> {
         .map(|(&selection, answers)| outcome(selection, answers, &truth))
         .collect::<anyhow::Result<_>>()
         .or_input()?;
-    write::files(&args.out, &sequence.name, &outcomes).or_output()?;
+    write::files(&args.out, &sequence.name, &outcomes, &truth).or_output()?;
     console::say(write::report(&outcomes, &truth, &args.out).trim_end());
     Ok(Exit::Done)
 }
@@ -104,13 +111,26 @@ fn recognise(
     Ok(answers)
 }
 
+/// The curve of a selection none of whose answers geometry supports.
+fn nothing_found(n_events: usize) -> PrecisionRecallCurve {
+    PrecisionRecallCurve {
+        points: Vec::new(),
+        auc: 0.0,
+        recall_at_full_precision: 0.0,
+        n_detections: 0,
+        n_events,
+    }
+}
+
 /// Curves of the answers that geometry supports.
 fn outcome(selection: PlaceSelection, answers: Vec<Answer>, truth: &LoopTruth) -> anyhow::Result<Outcome> {
     let curve = |score: &dyn Fn(Evidence) -> f64| {
         let detection = |a: &Answer| Some(Detection { score: score(a.evidence?), is_correct: a.is_correct });
         let detections: Vec<Detection> = answers.iter().filter_map(detection).collect();
-        precision_recall(&detections, truth.n_queries())
-            .with_context(|| format!("selection {selection}: no query has a verified answer"))
+        if detections.is_empty() {
+            return Ok(nothing_found(truth.n_queries()));
+        }
+        precision_recall(&detections, truth.n_queries()).with_context(|| format!("selection {selection}"))
     };
     let by_error = curve(&|e| e.mean_error_px)?;
     let by_inliers = curve(&|e| -(e.n_inliers as f64))?;

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow};
-use bow::Vocabulary;
-use dsfeat::{DenseNetwork, Model, Network};
+use bow::{Transformed, Vocabulary};
+use dsfeat::{DenseFeatures, DenseKeypoint, DenseNetwork, Model, Network};
 use features::{
-    ActivationMap, Contender, Extractor, ExtractorConfig, SelectionConfig, SelectionRule, Spread, select,
+    ActivationMap, Contender, Descriptor, Extractor, ExtractorConfig, SelectionConfig, SelectionRule, Spread,
+    select,
 };
 use geometry::{GrayImage, Raster, Vec2};
-use io::{FeatureSelection, FeatureSettings};
+use io::{Config, FeatureSelection, FeatureSettings};
 
 use super::sight::{Look, Sight};
 use crate::args::{PlaceSelection, PlacesArgs};
@@ -24,7 +25,14 @@ pub(super) struct Describer {
     networks: Vec<Option<Network>>,
     extractor: Extractor,
     dense: Option<DenseNetwork>,
+    words: Words,
+}
+
+/// How images are put into words.
+struct Words {
     vocabulary: Arc<Vocabulary>,
+    /// Whether a word counts as far as its features are trusted.
+    weighted: bool,
 }
 
 impl Describer {
@@ -34,10 +42,11 @@ impl Describer {
     /// A model or a library that cannot be used.
     pub(super) fn new(
         args: &PlacesArgs,
-        settings: &FeatureSettings,
+        config: &Config,
         selections: &[PlaceSelection],
         vocabulary: Arc<Vocabulary>,
     ) -> Result<Self> {
+        let settings = &config.features;
         let open = |selection: &PlaceSelection| {
             let model = match selection {
                 PlaceSelection::Trad => return Ok(None),
@@ -73,7 +82,8 @@ impl Describer {
         let extraction: ExtractorConfig = setup::extractor(&candidates);
         let extractor = Extractor::new(extraction);
         let selections = selections.iter().map(rule).collect();
-        Ok(Self { selections, networks, extractor, dense, vocabulary })
+        let words = Words { vocabulary, weighted: config.weights.words };
+        Ok(Self { selections, networks, extractor, dense, words })
     }
 
     /// What each selection keeps of an image, in their order.
@@ -89,31 +99,41 @@ impl Describer {
                 None => everywhere(image)?,
             };
             sights.push(match &dense {
-                None => sparse(&mut self.extractor, image, map, config, &self.vocabulary)?,
-                Some(features) => {
-                    let size = (image.width, image.height);
-                    let contenders: Vec<Contender> = features
-                        .keypoints
-                        .iter()
-                        .map(|k| Contender { x: k.x, y: k.y, response: (k.score * 255.0) as u8 })
-                        .collect();
-                    let (kept, activation) = select(&contenders, &map, config, size);
-                    let trusted = |x: f32, y: f32| match config.rule {
-                        SelectionRule::Activation => map.at(x, y),
-                        SelectionRule::Semantic => f32::from(u8::from(map.at(x, y) >= 0.5)),
-                    };
-                    Sight {
-                        pixels: kept.iter().map(|&i| pixel(contenders[i].x, contenders[i].y)).collect(),
-                        trust: activation.into_iter().map(f64::from).collect(),
-                        look: Look::Dense {
-                            descriptors: kept.iter().map(|&i| features.keypoints[i].descriptor).collect(),
-                            mean: Box::new(features.weighted_mean(trusted)),
-                        },
-                    }
-                }
+                None => sparse(&mut self.extractor, image, map, config, &self.words)?,
+                Some(features) => learned(features, (image.width, image.height), &map, config),
             });
         }
         Ok(sights)
+    }
+}
+
+impl Words {
+    fn of(&self, descriptors: &[Descriptor], activation: &[f32]) -> Transformed {
+        self.vocabulary.transform(descriptors, self.weighted.then_some(activation))
+    }
+}
+
+/// Dense features that a selection keeps, and what the whole image looks like where it is trusted.
+fn learned(
+    features: &DenseFeatures,
+    size: (usize, usize),
+    map: &ActivationMap,
+    config: &SelectionConfig,
+) -> Sight {
+    let contender = |k: &DenseKeypoint| Contender { x: k.x, y: k.y, response: (k.score * 255.0) as u8 };
+    let contenders: Vec<Contender> = features.keypoints.iter().map(contender).collect();
+    let (kept, activation) = select(&contenders, map, config, size);
+    let trusted = |x: f32, y: f32| match config.rule {
+        SelectionRule::Activation => map.at(x, y),
+        SelectionRule::Semantic => f32::from(u8::from(map.at(x, y) >= 0.5)),
+    };
+    Sight {
+        pixels: kept.iter().map(|&i| pixel(contenders[i].x, contenders[i].y)).collect(),
+        trust: activation.into_iter().map(f64::from).collect(),
+        look: Look::Dense {
+            descriptors: kept.iter().map(|&i| features.keypoints[i].descriptor).collect(),
+            mean: Box::new(features.weighted_mean(trusted)),
+        },
     }
 }
 
@@ -123,11 +143,11 @@ fn sparse(
     image: &GrayImage,
     map: ActivationMap,
     config: &SelectionConfig,
-    vocabulary: &Vocabulary,
+    words: &Words,
 ) -> Result<Sight> {
     let chosen = extractor.extract_selected(image, config, &mut Known(map));
     let (features, activation) = chosen.map_err(|reason| anyhow!(reason))?;
-    let described = vocabulary.transform(&features.descriptors, None);
+    let described = words.of(&features.descriptors, &activation);
     Ok(Sight {
         pixels: features.keypoints.iter().map(|k| pixel(k.x, k.y)).collect(),
         trust: activation.into_iter().map(f64::from).collect(),
@@ -147,4 +167,22 @@ fn everywhere(image: &GrayImage) -> Result<ActivationMap> {
 
 fn pixel(x: f32, y: f32) -> Vec2 {
     Vec2::new(f64::from(x), f64::from(y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_what_is_not_trusted_count_only_if_they_are_to() {
+        let vocabulary = Arc::new(Vocabulary::built_in().expect("part of the program"));
+        let descriptors = [Descriptor([0x3c3c_0f0f_55aa; 4]), Descriptor([0xa5a5_ffff_1234; 4])];
+        let of = |weighted: bool, descriptors: &[Descriptor], activation: &[f32]| {
+            Words { vocabulary: vocabulary.clone(), weighted }.of(descriptors, activation).bow
+        };
+        let alone = of(false, &descriptors[..1], &[1.0]);
+        assert_eq!(of(true, &descriptors, &[1.0, 0.0]), alone);
+        assert_eq!(of(false, &descriptors, &[1.0, 0.0]), of(true, &descriptors, &[0.5, 0.5]));
+        assert_ne!(of(false, &descriptors, &[1.0, 0.0]), alone);
+    }
 }

@@ -9,8 +9,9 @@ use eval::plot::{PrecisionRecallFigure, save};
 
 use super::Outcome;
 
-/// Writes `places.csv`, `curves.csv` and the figure.
-pub(super) fn files(folder: &Path, sequence: &str, outcomes: &[Outcome]) -> Result<()> {
+/// Writes `areas.csv`, `places.csv`, `curves.csv` and the figure.
+pub(super) fn files(folder: &Path, sequence: &str, outcomes: &[Outcome], truth: &LoopTruth) -> Result<()> {
+    io::write_atomic(&folder.join("areas.csv"), areas(outcomes, truth).as_bytes())?;
     io::write_atomic(&folder.join("places.csv"), answers(outcomes).as_bytes())?;
     io::write_atomic(&folder.join("curves.csv"), curves(outcomes).as_bytes())?;
     let curves = outcomes.iter().map(|o| (o.selection.to_string(), o.by_error.clone())).collect();
@@ -47,31 +48,55 @@ fn curves(outcomes: &[Outcome]) -> String {
     text
 }
 
-/// A line per selection.
+/// A row per selection.
+fn areas(outcomes: &[Outcome], truth: &LoopTruth) -> String {
+    let mut text = String::from(
+        "selection,frames,revisits,verified,retrieved_right,auc,recall_at_full_precision,auc_inliers,\
+         recall_at_full_precision_inliers\n",
+    );
+    for o in outcomes {
+        let (error, inliers) = (&o.by_error, &o.by_inliers);
+        let (frames, revisits, verified) = (truth.n_frames(), truth.n_queries(), error.n_detections);
+        let _ = writeln!(
+            text,
+            "{},{frames},{revisits},{verified},{},{:.6},{:.6},{:.6},{:.6}",
+            o.selection,
+            o.n_right(),
+            error.auc,
+            error.recall_at_full_precision,
+            inliers.auc,
+            inliers.recall_at_full_precision
+        );
+    }
+    text
+}
+
+/// Two tables: what was retrieved, and the curves by both scores.
 pub(super) fn report(outcomes: &[Outcome], truth: &LoopTruth, folder: &Path) -> String {
     let mut text = format!(
-        "{} frames, {} show a place again\n{:<10} {:>10} {:>10} {:>13} {:>20} {:>15}\n",
+        "{} frames, {} show a place again\n\
+         {:<10} {:>15} {:>9} | by epipolar error {:>27} | by inliers\n{:<36} | {:>8} {:>34} | {:>8} {:>34}\n",
         truth.n_frames(),
         truth.n_queries(),
         "selection",
+        "retrieved right",
         "verified",
+        "",
+        "",
         "AUC",
-        "AUC (inliers)",
-        "recall at 100 % prec.",
-        "retrieved right"
+        "recall at 100 % precision",
+        "AUC",
+        "recall at 100 % precision"
     );
     for o in outcomes {
-        let right = o.answers.iter().filter(|a| a.is_correct).count() as f64 / truth.n_queries() as f64;
-        let _ = writeln!(
-            text,
-            "{:<10} {:>10} {:>10.4} {:>13.4} {:>20.1}% {:>14.1}%",
-            o.selection.to_string(),
-            o.by_error.n_detections,
-            o.by_error.auc,
-            o.by_inliers.auc,
-            100.0 * o.by_error.recall_at_full_precision,
-            100.0 * right
-        );
+        let right = 100.0 * o.n_right() as f64 / truth.n_queries() as f64;
+        let name = o.selection.to_string();
+        let _ = write!(text, "{name:<10} {right:>14.1}% {:>9}", o.by_error.n_detections);
+        for curve in [&o.by_error, &o.by_inliers] {
+            let recall = 100.0 * curve.recall_at_full_precision;
+            let _ = write!(text, " | {:>8.4} {recall:>33.1}%", curve.auc);
+        }
+        text.push('\n');
     }
     let _ = writeln!(text, "written to {}", folder.display());
     text

@@ -69,3 +69,18 @@ fn more_is_said_when_asked_and_less_when_told() {
     assert!(counts[0] == 0 && counts[1] > 0 && counts[2] >= counts[1] + N_FRAMES, "{counts:?}");
     assert_eq!(dsslam(&["-q", "-v", "doctor"]).0, Some(2));
 }
+
+#[test]
+fn other_light_needs_a_second_round() {
+    let dir = sandbox();
+    for (more, reason) in [
+        (&["--rounds", "1"][..], "found --rounds 1"),
+        (&["--rounds", "2", "--preset", "facades"][..], "driven once"),
+    ] {
+        let mut args = vec!["synth", "relit", "--relight"];
+        args.extend(more);
+        let Call { code, stderr, .. } = dsslam_in(dir.path(), &args);
+        assert!(code == Some(2) && stderr.contains("--relight") && stderr.contains(reason), "{stderr}");
+        assert!(!dir.path().join("relit").exists(), "nothing is written");
+    }
+}
