@@ -5,9 +5,6 @@ use crate::quadtree::{Corner, Quadtree};
 
 /// Activation below this belongs to what moves.
 const TRUSTED: f32 = 0.5;
-/// Share of the features that places below it keep, of as many as they would have without a network: near hedges and parked cars
-/// say much about the motion of the camera, and a network errs; so few features do not outweigh the others where they do move.
-const RESERVE: f32 = 0.25;
 /// Features per cell. Of a larger cell stronger corners are kept, which are found again more often.
 const PER_CELL: usize = 4;
 /// Steps of activation that count as different. The network is nearly sure of most places, and differences among those say
@@ -58,8 +55,10 @@ pub struct Contender {
 
 /// The contenders kept, as ascending indices, and the activation of each of them.
 ///
-/// Under [`SelectionRule::Activation`] places below `TRUSTED` get `RESERVE` of their share, and more only where there are
-/// too few trusted ones; under [`SelectionRule::Semantic`] they get nothing. Both groups are spread over the image of `size`
+/// Under [`SelectionRule::Activation`] places below `TRUSTED` get a part of what is kept as large as their part of the sum of all
+/// activations, and more only where there are too few trusted ones: near hedges and parked cars say much about the motion of the
+/// camera, and a network errs; what it is sure of to move gets next to nothing. Under [`SelectionRule::Semantic`] they get
+/// nothing. Both groups are spread over the image of `size`
 /// pixels. Ties go to the lower index.
 #[must_use]
 pub fn select(
@@ -83,8 +82,9 @@ pub fn select(
     let n_others = match config.rule {
         SelectionRule::Semantic => 0,
         SelectionRule::Activation => {
-            let share = others.len() as f32 / contenders.len().max(1) as f32;
-            let reserve = (RESERVE * share * config.keep as f32) as usize;
+            let sum = |of: &[usize]| of.iter().map(|&i| activation[i]).sum::<f32>();
+            let (theirs, rest) = (sum(&others), sum(&trusted));
+            let reserve = (config.keep as f32 * theirs / (theirs + rest).max(f32::MIN_POSITIVE)) as usize;
             others.len().min(reserve.max(config.keep.saturating_sub(trusted.len())))
         }
     };

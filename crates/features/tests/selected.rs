@@ -57,21 +57,21 @@ fn a_selection_leaves_features_and_their_order_as_they_are() {
 }
 
 #[test]
-fn other_places_get_a_quarter_of_their_share_where_trusted_ones_are_enough() {
+fn other_places_get_what_their_activation_adds_up_to_where_trusted_ones_are_enough() {
     let everything = SelectionConfig { keep: 100_000, ..ACTIVATION };
     let (_, activation) = selected(everything, halves(0.1, 0.9));
-    let n_distrusted = activation.iter().filter(|&&a| a < 0.5).count();
-    let reserve = 200 * n_distrusted / activation.len() / 4;
-    assert!((15..35).contains(&reserve), "about half of the image is distrusted: {reserve}");
+    let distrusted: f32 = activation.iter().filter(|&&a| a < 0.5).sum();
+    let reserve = (200.0 * distrusted / activation.iter().sum::<f32>()) as usize;
+    assert!((15..35).contains(&reserve), "half of the image at a ninth of the activation: {reserve}");
     for spread in [Spread::Cells, Spread::Anywhere] {
         for rule in [SelectionRule::Activation, SelectionRule::Semantic] {
             let selection = SelectionConfig { rule, spread, ..ACTIVATION };
             let (features, activation) = selected(selection, halves(0.1, 0.9));
-            let n_reserve = if rule == SelectionRule::Semantic { 0 } else { reserve };
+            let expected = if rule == SelectionRule::Semantic { 0..=0 } else { reserve - 1..=reserve + 1 };
             assert_eq!(features.keypoints.len(), 200, "{selection:?}");
             let n_others = activation.iter().filter(|&&a| a < 0.5).count();
-            assert_eq!(n_others, n_reserve, "{selection:?}");
-            assert!(n_left(&features) <= n_reserve + 10, "{selection:?}: {}", n_left(&features));
+            assert!(expected.contains(&n_others), "{selection:?}: {n_others}, not {expected:?}");
+            assert!(n_left(&features) <= expected.end() + 10, "{selection:?}: {}", n_left(&features));
         }
     }
 }
