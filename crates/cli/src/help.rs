@@ -97,7 +97,7 @@ Examples:
   dsslam places town --selection trad --every 2 --out /tmp/places
 
 Selections: trad (highest response), seman (the same off what may move), ours (highest activation).
-weights.words=true (--set) makes words count as far as their features are trusted.
+weights.words=false (--set) makes all words count alike; by default they count as far as their features are trusted.
 Files: areas.csv (a row per selection), places.csv (a row per query), curves.csv, precision_recall.png and .svg.",
     )
 }

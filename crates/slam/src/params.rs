@@ -121,7 +121,7 @@ pub struct Weights {
 
 impl Default for Weights {
     fn default() -> Self {
-        Weights { ransac: true, optimisation: false, words: false }
+        Weights { ransac: true, optimisation: false, words: true }
     }
 }
 

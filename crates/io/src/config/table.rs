@@ -42,7 +42,7 @@ pub const SCHEMA: &[Entry] = &[
 
     flag("weights.ransac", true, "samples and scores of RANSAC are weighted by the activation of features"),
     flag("weights.optimisation", false, "observations count in optimisation as far as their features are trusted"),
-    flag("weights.words", false, "words of a frame count as far as their features are trusted"),
+    flag("weights.words", true, "words of a frame count as far as their features are trusted"),
 
     optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: five baselines"),
     real("stereo.close_depth_baselines", 40.0, "baselines", above(0.0), "a point nearer than this makes a map point at once"),
