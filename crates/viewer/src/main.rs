@@ -17,7 +17,12 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+/// Niceness added to that of the run: where processors are scarce, tracking goes before the pictures of it.
+const NICENESS: i32 = 12;
+
 fn main() -> ExitCode {
+    // Where it is refused the viewer works as well.
+    let _ = rustix::process::nice(NICENESS);
     match run(&args::Args::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
