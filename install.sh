@@ -56,8 +56,8 @@ if message=$(crates/dsfeat/get-onnxruntime.sh 2>&1); then
   echo "      $message"
 else
   echo "      not installed: $message" >&2
-  echo "      Everything works without it but --set features.selection=activation or semantic; run" >&2
-  echo "      crates/dsfeat/get-onnxruntime.sh again, or name a library with --onnxruntime FILE" >&2
+  echo "      Without it features.selection must be response: with configs/kitti.yaml add --set features.selection=response" >&2
+  echo "      --set features.keep=2000. Run crates/dsfeat/get-onnxruntime.sh again, or name a library with --onnxruntime FILE" >&2
 fi
 
 echo "[4/4] cargo build --release --locked"

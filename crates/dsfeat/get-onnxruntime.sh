@@ -18,8 +18,13 @@ if matches "$folder/$name"; then
 fi
 [ "$(uname -sm)" = "Linux x86_64" ] ||
   fail "there is a recipe for Linux on x86_64 only; install ONNX Runtime 1.24 or newer and name it with --onnxruntime FILE"
-python3 -m pip --version >/dev/null 2>&1 ||
-  fail "python3 with pip is not there (Debian: apt-get install python3-pip); it fetches the package onnxruntime"
+if ! python3 -m pip --version >/dev/null 2>&1; then
+  command -v apt-get >/dev/null 2>&1 || fail "python3 with pip is not there; it fetches the package onnxruntime"
+  echo "installing the package python3-pip"
+  sudo=; [ "$(id -u)" = 0 ] || sudo=sudo
+  $sudo apt-get update -qq && $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends python3-pip >/dev/null ||
+    fail "python3-pip cannot be installed; it fetches the package onnxruntime"
+fi
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
