@@ -23,8 +23,8 @@ use backlog::Backlog;
 use texts::Texts;
 use worker::{Counting, Item, Worker};
 
-/// Items that may wait for the writer.
-const ITEMS: usize = 32;
+/// Items that may wait for the writer; about four come of a frame, one of them with its images.
+const ITEMS: usize = 512;
 /// A writer that gets rid of no byte for so many seconds at the end of a run is given up.
 const PATIENCE_S: u32 = 15;
 
