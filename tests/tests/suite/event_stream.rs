@@ -193,8 +193,8 @@ fn a_run_never_waits_for_its_reader() {
     let (open, gate): (Sender<()>, _) = channel();
     let target = Closed(Some(gate), bytes.clone());
     // The gate opens when the run is over: a run that waited for the reader would wait for ever.
-    let (outcome, report) =
-        streamed(Schedule::Lockstep, target, StreamOptions::default(), || open.send(()).unwrap());
+    let few = StreamOptions { max_waiting: 32, ..StreamOptions::default() };
+    let (outcome, report) = streamed(Schedule::Lockstep, target, few, || open.send(()).unwrap());
     assert_eq!(bits(&outcome), bits(in_turn()));
     assert!(report.left_out > 0 && report.broken.is_none(), "{report:?}");
     let records = records(&bytes);

@@ -23,8 +23,6 @@ use backlog::Backlog;
 use texts::Texts;
 use worker::{Counting, Item, Worker};
 
-/// Items that may wait for the writer; about four come of a frame, one of them with its images.
-const ITEMS: usize = 512;
 /// A writer that gets rid of no byte for so many seconds at the end of a run is given up.
 const PATIENCE_S: u32 = 15;
 
@@ -37,11 +35,13 @@ pub struct StreamOptions {
     pub image_width: usize,
     /// Bytes from which on nothing but poses and texts is written; images end at three quarters of them.
     pub max_bytes: u64,
+    /// Items that may wait for the writer; about four come of a frame, one of them with its images.
+    pub max_waiting: usize,
 }
 
 impl Default for StreamOptions {
     fn default() -> Self {
-        StreamOptions { image_every: 1, image_width: 640, max_bytes: 1 << 30 }
+        StreamOptions { image_every: 1, image_width: 640, max_bytes: 1 << 30, max_waiting: 512 }
     }
 }
 
@@ -77,7 +77,7 @@ impl EventStream {
         start: Start,
         options: StreamOptions,
     ) -> std::io::Result<Self> {
-        let (to_writer, items) = bounded(ITEMS);
+        let (to_writer, items) = bounded(options.max_waiting);
         let (report, done) = bounded(1);
         let target = Counting::new(target);
         let taken = target.count();
