@@ -66,8 +66,8 @@ target=${CARGO_TARGET_DIR:-target}
 program=$target/release/dsslam
 viewer=$target/release/dsslam-rerun
 if [ -n "$rerun" ]; then
-  echo "      cargo build --profile viewer -p viewer --locked"
-  cargo build --profile viewer -p viewer --locked
+  echo "      cargo build --profile viewer -p dsslam-viewer --locked"
+  cargo build --profile viewer -p dsslam-viewer --locked
   install -m 755 "$target/viewer/dsslam-rerun" "$viewer"
   command -v rerun >/dev/null 2>&1 ||
     echo "      the Rerun viewer itself is not there: pip install rerun-sdk==$(sed -n 's/^rerun = .*"=\([0-9.]*\)".*/\1/p' Cargo.toml)"
@@ -86,7 +86,7 @@ fi
 if [ -n "$video" ]; then
   echo "      dsslam-video"
   crates/cv/get-opencv.sh
-  cargo build --release --locked -p cv --features video --bin dsslam-video
+  cargo build --release --locked -p dsslam-cv --features video --bin dsslam-video
   helper=${CARGO_TARGET_DIR:-target}/release/dsslam-video
   [ -z "$prefix" ] || install -m 755 "$helper" "$prefix/bin/dsslam-video"
 fi

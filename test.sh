@@ -27,12 +27,12 @@ step() {
 }
 
 step cargo fmt --all --check
-step cargo clippy --workspace --exclude viewer --all-targets --features cv/video --locked -- -D warnings
-step cargo test --workspace --exclude viewer --features cv/video --locked
-step env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --exclude viewer --no-deps --locked
+step cargo clippy --workspace --exclude dsslam-viewer --all-targets --features dsslam-cv/video --locked -- -D warnings
+step cargo test --workspace --exclude dsslam-viewer --features dsslam-cv/video --locked
+step env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --exclude dsslam-viewer --no-deps --locked
 if [ -n "$viewer" ]; then
-  step cargo clippy --profile viewer -p viewer --all-targets --locked -- -D warnings
-  step cargo test --profile viewer -p viewer --locked
-  step env RUSTDOCFLAGS="-D warnings" cargo doc --profile viewer -p viewer --no-deps --locked
+  step cargo clippy --profile viewer -p dsslam-viewer --all-targets --locked -- -D warnings
+  step cargo test --profile viewer -p dsslam-viewer --locked
+  step env RUSTDOCFLAGS="-D warnings" cargo doc --profile viewer -p dsslam-viewer --no-deps --locked
 fi
 echo "== all passed in $((SECONDS - started)) s"

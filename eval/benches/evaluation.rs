@@ -5,10 +5,10 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use eval::baseline::{Metric, read_baselines};
-use eval::suite::Results;
-use eval::table::{metric_table, runs_csv, runs_table};
-use eval::{Association, EvaluationOptions, Matched, evaluate, read_trajectory_file};
+use dsslam_eval::baseline::{Metric, read_baselines};
+use dsslam_eval::suite::Results;
+use dsslam_eval::table::{metric_table, runs_csv, runs_table};
+use dsslam_eval::{Association, EvaluationOptions, Matched, evaluate, read_trajectory_file};
 use geometry::{SE3, SO3, Vec3};
 
 const N_POSES: usize = 4541;

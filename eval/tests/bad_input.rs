@@ -6,7 +6,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::fixture;
-use eval::{
+use dsslam_eval::{
     Alignment, Association, EvaluationOptions, Format, KITTI_LENGTHS_M, Matched, associate, ate, evaluate,
     kitti_drift, read_trajectory_file,
 };

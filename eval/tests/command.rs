@@ -7,7 +7,7 @@ use std::path::Path;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use common::fixture;
-use eval::command::EvalCommand;
+use dsslam_eval::command::EvalCommand;
 
 #[derive(Debug, Parser)]
 struct Program {

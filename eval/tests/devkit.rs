@@ -12,7 +12,9 @@ use std::path::Path;
 use std::process::Command;
 
 use common::{fixture, pairs, published};
-use eval::{Alignment, Drift, KITTI_LENGTHS_M, ate, kitti_drift, kitti_drift_sparse, read_trajectory_file};
+use dsslam_eval::{
+    Alignment, Drift, KITTI_LENGTHS_M, ate, kitti_drift, kitti_drift_sparse, read_trajectory_file,
+};
 use geometry::{SE3, SO3};
 
 const TOLERANCE: f64 = 1e-9;

@@ -12,7 +12,7 @@ mod evo_values;
 use std::path::PathBuf;
 
 use common::{fixture, pairs, published};
-use eval::{RpeOptions, Statistics, apply_alignment, ate, estimate_alignment, rpe};
+use dsslam_eval::{RpeOptions, Statistics, apply_alignment, ate, estimate_alignment, rpe};
 use evo_values::{Ape, FIXTURES_APE, FIXTURES_RPE, PUBLISHED_APE, PUBLISHED_RPE, Part, Rpe};
 
 const TOLERANCE: f64 = 1e-6;

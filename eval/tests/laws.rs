@@ -1,7 +1,7 @@
 //! Laws that hold for every trajectory: what moves an estimate as a whole does not change its error.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use eval::{
+use dsslam_eval::{
     Alignment, KITTI_LENGTHS_M, RpeOptions, apply_alignment, ate, estimate_alignment, kitti_drift, rpe,
     scale_drift,
 };

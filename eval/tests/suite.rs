@@ -9,11 +9,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use common::fixture;
-use eval::baseline::{Metric, read_baselines};
-use eval::figures::result_figures;
-use eval::report::html_report;
-use eval::suite::{Event, Plan, Results, RunOptions, RunRecord, RunState, job_lines, read_plan, run_suite};
-use eval::table::{metric_table, runs_csv, runs_table};
+use dsslam_eval::baseline::{Metric, read_baselines};
+use dsslam_eval::figures::result_figures;
+use dsslam_eval::report::html_report;
+use dsslam_eval::suite::{
+    Event, Plan, Results, RunOptions, RunRecord, RunState, job_lines, read_plan, run_suite,
+};
+use dsslam_eval::table::{metric_table, runs_csv, runs_table};
 
 /// Takes `run SEQUENCE ... --out DIR`; a sequence with a file `fail` makes it fail, with `sleep` makes it slow.
 const PROGRAM: &str = r#"#!/bin/sh

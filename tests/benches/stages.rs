@@ -1,6 +1,6 @@
 //! Each stage alone on real frames, on one thread, beside OpenCV's ORB of one image in the same process (the unit U).
 //!
-//! `DSSLAM_DATA=... cargo bench -p tests --bench stages`. Without real sequences there is nothing to measure.
+//! `DSSLAM_DATA=... cargo bench -p dsslam-tests --bench stages`. Without real sequences there is nothing to measure.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark stops at the first problem")]
 
 use std::hint::black_box;

@@ -1,5 +1,5 @@
 //! The whole tracking step (decoded images to pose, mapping running) in units of U, OpenCV's ORB of one image timed in the
-//! same process. `DSSLAM_DATA=... cargo bench -p tests --bench tracking`
+//! same process. `DSSLAM_DATA=... cargo bench -p dsslam-tests --bench tracking`
 #![allow(
     clippy::disallowed_methods,
     clippy::print_stdout,

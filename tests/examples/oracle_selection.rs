@@ -1,7 +1,7 @@
 //! How much a perfect network could bring: a rendered sequence run with features selected by the renderer's exact masks (0 on
 //! what moves, 1 elsewhere) in place of a network, and without any selection, with the same number of features.
 //!
-//! `cargo run --release -p tests --example oracle_selection -- SEQUENCE [KEEP] [MAX_FRAMES]`
+//! `cargo run --release -p dsslam-tests --example oracle_selection -- SEQUENCE [KEEP] [MAX_FRAMES]`
 #![allow(clippy::print_stdout, reason = "a program for people")]
 
 use std::collections::BTreeMap;

@@ -2,7 +2,7 @@
 //! inliers found at equal confidence, for the fundamental matrix, PnP and Sim3. On a rendered sequence with masks also the
 //! share of matches on what moves, and how many models follow it instead of the scene.
 //!
-//! `cargo run --release -p tests --example weighted_ransac -- SEQUENCE [MODEL.onnx]`
+//! `cargo run --release -p dsslam-tests --example weighted_ransac -- SEQUENCE [MODEL.onnx]`
 #![allow(clippy::print_stdout, reason = "a program for people")]
 
 use std::error::Error;

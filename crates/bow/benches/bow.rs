@@ -2,9 +2,9 @@
 
 #![allow(missing_docs)]
 
-use bow::tool::{self, Format};
-use bow::{BowVector, MatchOptions, MatchSide, PlaceIndex, Vocabulary, match_by_node};
 use criterion::{Criterion, criterion_group, criterion_main};
+use dsslam_bow::tool::{self, Format};
+use dsslam_bow::{BowVector, MatchOptions, MatchSide, PlaceIndex, Vocabulary, match_by_node};
 use features::Descriptor;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use dsfeat::{Error, Model, Network};
+use dsslam_dsfeat::{Error, Model, Network};
 use geometry::GrayImage;
 
 /// Side of the squares over which the test model averages, in pixels of its input.

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use dsfeat::{Error, Model, Network};
+use dsslam_dsfeat::{Error, Model, Network};
 
 fn refused(file: &Path) -> String {
     let error = Network::load(Model::Hybrid.bytes(), Some(file), 1).expect_err("no library");

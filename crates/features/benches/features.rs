@@ -3,7 +3,7 @@
 //! For a single thread set `RAYON_NUM_THREADS=1`.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use features::{
+use dsslam_features::{
     DepthConfig, EpipolarRange, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, RemapTable,
     Rig, StereoConfig, match_brute_force, remap, search_epipolar_all, search_windows,
 };

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{HEIGHT, WIDTH, config, median, render, with_threads};
-use features::{Extractor, ExtractorConfig, Features, level_quotas, match_brute_force};
+use dsslam_features::{Extractor, ExtractorConfig, Features, level_quotas, match_brute_force};
 use geometry::GrayImage;
 
 fn extract(image: &GrayImage) -> Features {
@@ -15,7 +15,7 @@ fn plain() -> GrayImage {
 }
 
 /// Size of the level of a key-point, and its place there.
-fn on_level(keypoint: &features::Keypoint) -> ([f64; 2], [f64; 2]) {
+fn on_level(keypoint: &dsslam_features::Keypoint) -> ([f64; 2], [f64; 2]) {
     let scale = 1.2f64.powi(i32::from(keypoint.octave));
     let size = [WIDTH as f64, HEIGHT as f64].map(|n| (n / scale).round());
     let place = |full: f32, side: f64, all: usize| (f64::from(full) + 0.5) * side / all as f64 - 0.5;
@@ -56,7 +56,7 @@ fn corners_keep_sixteen_pixels_from_the_edge_of_their_level() {
 #[test]
 fn order_is_by_octave_row_column() {
     let features = Extractor::new(ExtractorConfig { subpixel: false, ..config() }).extract(&plain());
-    let key = |k: &features::Keypoint| (k.octave, (k.y * 16.0) as i32, (k.x * 16.0) as i32);
+    let key = |k: &dsslam_features::Keypoint| (k.octave, (k.y * 16.0) as i32, (k.x * 16.0) as i32);
     assert!(features.keypoints.windows(2).all(|w| key(&w[0]) < key(&w[1])));
     assert!(features.keypoints.iter().all(|k| (0.0..360.0).contains(&k.angle_deg) && k.response >= 7.0));
 }

@@ -4,7 +4,7 @@
 mod common;
 
 use common::median;
-use features::{Extractor, ExtractorConfig, Features, RemapTable, match_brute_force, remap};
+use dsslam_features::{Extractor, ExtractorConfig, Features, RemapTable, match_brute_force, remap};
 use geometry::{GrayImage, Pinhole};
 use io::{RectifiedView, Sequence, load_frame, open_sequence};
 use std::path::Path;

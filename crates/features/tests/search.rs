@@ -3,7 +3,7 @@
 mod common;
 
 use common::rig;
-use features::{
+use dsslam_features::{
     Descriptor, EpipolarRange, Features, Frame, Keypoint, ProjectionQuery, ScaleLevels, search_epipolar,
     search_epipolar_all, search_window, search_windows,
 };
@@ -39,8 +39,8 @@ fn two_best(mut candidates: Vec<Ranked>) -> [Option<Ranked>; 2] {
     [candidates.first().copied(), candidates.get(1).copied()]
 }
 
-fn as_pairs(found: Option<features::WindowMatch>) -> [Option<Ranked>; 2] {
-    let pair = |c: features::Candidate| (c.distance, c.feature);
+fn as_pairs(found: Option<dsslam_features::WindowMatch>) -> [Option<Ranked>; 2] {
+    let pair = |c: dsslam_features::Candidate| (c.distance, c.feature);
     [found.map(|m| pair(m.best)), found.and_then(|m| m.second).map(pair)]
 }
 

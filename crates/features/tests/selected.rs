@@ -4,7 +4,7 @@
 mod common;
 
 use common::{config, render};
-use features::{
+use dsslam_features::{
     ActivationMap, ActivationSource, Extractor, Features, SelectionConfig, SelectionRule, Spread,
 };
 use geometry::{GrayImage, Raster};

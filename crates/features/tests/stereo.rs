@@ -3,7 +3,7 @@
 mod common;
 
 use common::{HEIGHT, WIDTH, config, median, render, rig, stereo_pair, texture, with_threads};
-use features::{DepthConfig, EDGE_REACH_PX, Frame, FrameBuilder, Rig, StereoConfig};
+use dsslam_features::{DepthConfig, EDGE_REACH_PX, Frame, FrameBuilder, Rig, StereoConfig};
 use geometry::{DepthImage, Distortion, GrayImage, Vec2};
 use std::sync::Arc;
 
@@ -187,7 +187,7 @@ fn depth_images_give_virtual_right_columns() {
     let settings = DepthConfig { max_depth_m: 10.0, ..DepthConfig::default() };
     let mut builder = FrameBuilder::new(Arc::clone(&camera), config(), StereoConfig::default(), settings);
     let frame = builder.rgbd(3, 1.5, &gray, &depth).unwrap();
-    let detected = features::Extractor::new(config()).extract(&gray).keypoints;
+    let detected = dsslam_features::Extractor::new(config()).extract(&gray).keypoints;
     assert_eq!((frame.index, frame.timestamp_s, frame.len()), (3, 1.5, detected.len()));
     let mut n_known = 0;
     for (i, raw) in detected.iter().enumerate() {

@@ -6,11 +6,11 @@
 mod g2o;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use geometry::{SE3, Vec3, Vec6};
-use optim::{
+use dsslam_optim::{
     CycleEdge, CycleEdgeKind, LoopTestOptions, PoseGraphOptions, TranslationEdge, TranslationProblem,
     fit_translations, refine_pose_graph, test_loop,
 };
+use geometry::{SE3, Vec3, Vec6};
 
 fn pose_graph(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("refine_pose_graph");

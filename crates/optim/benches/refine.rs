@@ -7,7 +7,7 @@ mod common;
 
 use common::{StreetOptions, displaced, frame, random, rig, small_motion, street};
 use criterion::{Criterion, criterion_group, criterion_main};
-use optim::{BundleOptions, BundleProblem, PoseOptions, refine_bundle, refine_pose};
+use dsslam_optim::{BundleOptions, BundleProblem, PoseOptions, refine_bundle, refine_pose};
 
 fn pose(criterion: &mut Criterion) {
     for (name, outliers) in [("clean", 0.0), ("10 % outliers", 0.1), ("50 % outliers", 0.5)] {
@@ -40,7 +40,7 @@ fn two_stages(problem: &BundleProblem) -> f64 {
     (rest.cameras, rest.points) = (robust.cameras, robust.points);
     let mut chi_sq = robust.chi_sq.iter();
     rest.observations.retain(|o| {
-        let limit = if o.right_u.is_nan() { optim::CHI2_MONO } else { optim::CHI2_STEREO };
+        let limit = if o.right_u.is_nan() { dsslam_optim::CHI2_MONO } else { dsslam_optim::CHI2_STEREO };
         chi_sq.next().is_some_and(|&c| c <= limit)
     });
     let second =

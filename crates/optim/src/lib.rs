@@ -9,7 +9,7 @@
 
 // Lets unit tests share the scenes of the integration tests.
 #[cfg(test)]
-extern crate self as optim;
+extern crate self as dsslam_optim;
 #[cfg(test)]
 #[path = "../tests/common/mod.rs"]
 mod common;

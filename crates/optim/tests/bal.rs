@@ -7,7 +7,7 @@ mod bal_model;
 use std::path::PathBuf;
 
 use bal_model::{BalCamera, BalModel, parse};
-use optim::{BundleOptions, StopReason, minimize};
+use dsslam_optim::{BundleOptions, StopReason, minimize};
 
 /// Costs of ladybug-49-7776 at the start and the end by tests/reference/bal_scipy.py (numpy and scipy 1.17.1).
 const SCIPY_INITIAL_COST: f64 = 8.509124607e5;

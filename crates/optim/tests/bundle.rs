@@ -3,10 +3,10 @@
 mod common;
 
 use common::{StreetOptions, cost, displaced, normal_vec3, pose_difference, random, small_motion, street};
-use geometry::SE3;
-use optim::{
+use dsslam_optim::{
     BundleOptions, BundleProblem, BundleSolution, CHI2_MONO, CHI2_STEREO, StopReason, refine_bundle,
 };
+use geometry::SE3;
 use rand::seq::SliceRandom;
 
 const STREET: StreetOptions =
@@ -177,7 +177,7 @@ fn a_long_loop_of_cameras_is_solved_through_its_sparse_factor() {
         let p = truth.cameras[140].inverse()
             * (normal_vec3(&mut random, 1.0) + geometry::Vec3::new(0.0, 0.0, 12.0));
         let q = truth.rig.project(&(truth.cameras[140] * p));
-        let o = optim::BundleObservation {
+        let o = dsslam_optim::BundleObservation {
             camera: 140,
             point: closed.points.len() as u32,
             pixel: geometry::Vec2::new(q.x, q.y),
@@ -185,9 +185,9 @@ fn a_long_loop_of_cameras_is_solved_through_its_sparse_factor() {
             inv_sigma_sq: 1.0,
         };
         closed.observations.push(o);
-        let far = optim::BundleObservation { camera: 5 + point % 10, ..o };
+        let far = dsslam_optim::BundleObservation { camera: 5 + point % 10, ..o };
         let q = truth.rig.project(&(truth.cameras[far.camera as usize] * p));
-        closed.observations.push(optim::BundleObservation {
+        closed.observations.push(dsslam_optim::BundleObservation {
             pixel: geometry::Vec2::new(q.x, q.y),
             right_u: q.z,
             ..far

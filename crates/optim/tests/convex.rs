@@ -3,9 +3,9 @@
 mod common;
 
 use common::{normal_vec3, random};
+use dsslam_optim::{ConvexError, TranslationEdge, TranslationFit, TranslationProblem, fit_translations};
 use geometry::{Mat3, SO3, Vec3};
 use nalgebra::DMatrix;
-use optim::{ConvexError, TranslationEdge, TranslationFit, TranslationProblem, fit_translations};
 use proptest::prelude::*;
 use rand::Rng;
 

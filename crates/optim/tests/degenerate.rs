@@ -3,8 +3,10 @@
 mod common;
 
 use common::{StreetOptions, displaced, rig, street};
+use dsslam_optim::{
+    BundleObservation, BundleOptions, BundleProblem, BundleSolution, StopReason, refine_bundle,
+};
 use geometry::{SE3, Vec2, Vec3};
-use optim::{BundleObservation, BundleOptions, BundleProblem, BundleSolution, StopReason, refine_bundle};
 use proptest::prelude::*;
 
 const SMALL: StreetOptions =

@@ -5,10 +5,10 @@
 mod common;
 
 use common::{random, residual, rig, small_motion};
-use geometry::{SE3, Vec2, Vec3, Vec6};
-use optim::{
+use dsslam_optim::{
     BundleObservation, CHI2_MONO, CHI2_STEREO, Loss, ObservationModel, RigCamera, RigModel, RigObservation,
 };
+use geometry::{SE3, Vec2, Vec3, Vec6};
 
 const STEP: f64 = 1e-6;
 

@@ -3,11 +3,11 @@
 mod common;
 
 use common::{random, small_motion};
-use geometry::{SE3, SO3, Vec3, Vec6};
-use optim::{
+use dsslam_optim::{
     ConvexError, CycleEdge, CycleEdgeKind, Inconsistency, LoopNumbers, LoopTestOptions, LoopVerdict,
     test_loop,
 };
+use geometry::{SE3, SO3, Vec3, Vec6};
 use proptest::prelude::*;
 
 /// Nodes per round, 5 m apart along a square of 125 m that begins in the middle of a side.

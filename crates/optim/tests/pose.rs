@@ -3,8 +3,10 @@
 mod common;
 
 use common::{frame, normal_vec3, numeric_normal, pose_difference, random, rig, small_motion};
+use dsslam_optim::{
+    CHI2_MONO, CHI2_STEREO, PoseObservation, PoseOptions, PoseSolution, StopReason, refine_pose,
+};
 use geometry::{SE3, Vec2, Vec3, Vec6};
-use optim::{CHI2_MONO, CHI2_STEREO, PoseObservation, PoseOptions, PoseSolution, StopReason, refine_pose};
 use proptest::prelude::*;
 
 fn refine(initial: SE3, observations: &[PoseObservation]) -> PoseSolution {

@@ -3,12 +3,12 @@
 mod common;
 
 use common::{normal, random};
-use geometry::{Mat3, Mat6, Mat7, SE3, SO3, Sim3, Vec3, Vec6, Vec7};
-use nalgebra::{SMatrix, SVector};
-use optim::{
+use dsslam_optim::{
     PoseGraphEdge, PoseGraphOptions, PoseGraphProblem, PoseGraphSolution, PoseGroup, StopReason,
     refine_pose_graph,
 };
+use geometry::{Mat3, Mat6, Mat7, SE3, SO3, Sim3, Vec3, Vec6, Vec7};
+use nalgebra::{SMatrix, SVector};
 use proptest::prelude::*;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;

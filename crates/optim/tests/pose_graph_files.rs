@@ -4,7 +4,7 @@
 
 mod g2o;
 
-use optim::{PoseGraphOptions, StopReason, refine_pose_graph};
+use dsslam_optim::{PoseGraphOptions, StopReason, refine_pose_graph};
 
 /// Solves the file from its own values and compares both costs.
 fn check(name: &str, initial_cost: f64, final_cost: f64) {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use optim::{BundleOptions, refine_bundle};
+use dsslam_optim::{BundleOptions, refine_bundle};
 
 /// Costs at the start and the end by GTSAM 4.3.0 (tests/reference/stereo_gtsam.py).
 const GTSAM_INITIAL_COST: f64 = 2.028201524325e6;

@@ -4,12 +4,12 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use dsslam_runtime::{
+    Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Schedule, Sensor, Setup, Silent, run,
+};
 use features::{ExtractorConfig, Rig};
 use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
 use io::LoadedFrame;
-use runtime::{
-    Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Schedule, Sensor, Setup, Silent, run,
-};
 use slam::{NotReady, Params};
 
 const WIDTH: usize = 320;

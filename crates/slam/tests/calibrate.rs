@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Pair, World, slalom};
-use slam::{Params, estimate_disparity_offset};
+use dsslam_slam::{Params, estimate_disparity_offset};
 
 /// Drives 40 frames down a corridor whose disparities are all wrong by `error_px`.
 fn map_with_error(error_px: f64) -> Pair {

@@ -4,9 +4,9 @@
 mod common;
 
 use common::{Pair, World, slalom};
+use dsslam_slam::{Lost, NotReady, Params, TrackState};
 use features::Frame;
 use geometry::SE3;
-use slam::{Lost, NotReady, Params, TrackState};
 use std::sync::Arc;
 
 fn params() -> Params {

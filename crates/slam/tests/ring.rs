@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use bow::Vocabulary;
 use common::{Pair, World};
+use dsslam_slam::{LoopCloser, LoopOutcome, NoProbe, Params, TrackState, Tracked, adjust_globally};
 use geometry::{SE3, SO3, Vec3};
-use slam::{LoopCloser, LoopOutcome, NoProbe, Params, TrackState, Tracked, adjust_globally};
 
 const RADIUS_M: f64 = 22.0;
 const STEP_M: f64 = 0.8;
@@ -36,11 +36,11 @@ struct Trio {
     pair: Pair,
     closer: LoopCloser,
     params: Params,
-    closed: Vec<(u32, Box<slam::LoopCorrection>)>,
+    closed: Vec<(u32, Box<dsslam_slam::LoopCorrection>)>,
 }
 
 impl Trio {
-    fn new(params: &Params, world: slam::World) -> Self {
+    fn new(params: &Params, world: dsslam_slam::World) -> Self {
         let closer = LoopCloser::new(params.clone());
         Trio { pair: Pair::with_world(params, world), closer, params: params.clone(), closed: Vec::new() }
     }
@@ -69,9 +69,9 @@ impl Trio {
     }
 }
 
-fn empty() -> slam::World {
+fn empty() -> dsslam_slam::World {
     let vocabulary = Vocabulary::built_in().expect("it is part of the program");
-    slam::World::new(Some(Arc::new(vocabulary)))
+    dsslam_slam::World::new(Some(Arc::new(vocabulary)))
 }
 
 fn has_pose(tracked: &Tracked) -> bool {
@@ -168,7 +168,7 @@ fn a_finished_map_localises_and_stays_as_it_is() {
         first.step(&scene.frame(i, &on_ring(i)));
     }
     let map = first.pair.mapper.world().map.clone();
-    let world = slam::World::from_map(map, Some(Arc::new(Vocabulary::built_in().unwrap())));
+    let world = dsslam_slam::World::from_map(map, Some(Arc::new(Vocabulary::built_in().unwrap())));
     let mut only = params();
     only.tracking.localize_only = true;
     let mut second = Trio::new(&only, world.clone());

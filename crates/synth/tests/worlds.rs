@@ -1,8 +1,8 @@
 //! Laws of rendered worlds, seen from outside: repeatable, and images, depth, labels and poses fit together.
 
+use dsslam_synth::{LABEL_MOVING, LABEL_PARKED, LABEL_SKY, LABEL_STATIC, Preset, StereoFrame, World};
 use geometry::{GrayImage, Raster, Vec2, Vec3};
 use std::sync::LazyLock;
-use synth::{LABEL_MOVING, LABEL_PARKED, LABEL_SKY, LABEL_STATIC, Preset, StereoFrame, World};
 
 /// Worlds are costly to lay out; all tests share these.
 static TOWN: LazyLock<World> = LazyLock::new(|| World::new(Preset::Town, 7, 2));

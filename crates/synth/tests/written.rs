@@ -1,8 +1,8 @@
 //! What `write_kitti` leaves on disk.
 
+use dsslam_synth::{Continue, Lens, Preset, Progress, World, WriteOptions, write_euroc, write_kitti};
 use geometry::SE3;
 use std::path::Path;
-use synth::{Continue, Lens, Preset, Progress, World, WriteOptions, write_euroc, write_kitti};
 
 fn quiet() -> World {
     World::new(Preset::Quiet, 3, 1)

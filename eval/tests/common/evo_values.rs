@@ -1,8 +1,8 @@
 //! What `evo` 1.38.1 prints (`evo_ape`, `evo_rpe` with `--save_results`) for the fixtures and the published trajectories.
 
-use eval::Alignment::{self, None, Se3, Sim3};
-use eval::DeltaUnit::{self, Frames, Metres};
-use eval::PairMode::{self, All, Consecutive};
+use dsslam_eval::Alignment::{self, None, Se3, Sim3};
+use dsslam_eval::DeltaUnit::{self, Frames, Metres};
+use dsslam_eval::PairMode::{self, All, Consecutive};
 
 /// Which part of a relative pose error.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eval::{Association, Pairs, associate, read_trajectory_file};
+use dsslam_eval::{Association, Pairs, associate, read_trajectory_file};
 
 /// A file of `tests/fixtures`.
 pub(crate) fn fixture(name: &str) -> PathBuf {
@@ -34,9 +34,9 @@ pub(crate) fn pairs(gt: &Path, est: &Path) -> Pairs {
     let truth = read_trajectory_file(gt, None).unwrap();
     let estimate = read_trajectory_file(est, None).unwrap();
     let association = match truth.format {
-        eval::Format::Kitti if !estimate.has_frame_numbers => Association::Index,
-        eval::Format::Kitti => Association::Timestamp { tolerance_s: 0.0 },
-        _ => Association::Timestamp { tolerance_s: eval::TIMESTAMP_TOLERANCE_S },
+        dsslam_eval::Format::Kitti if !estimate.has_frame_numbers => Association::Index,
+        dsslam_eval::Format::Kitti => Association::Timestamp { tolerance_s: 0.0 },
+        _ => Association::Timestamp { tolerance_s: dsslam_eval::TIMESTAMP_TOLERANCE_S },
     };
     associate(&estimate.trajectory, &truth.trajectory, association).unwrap()
 }

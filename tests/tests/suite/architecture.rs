@@ -24,9 +24,13 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/synth", &["geometry", "io"]),
     ("eval", &["geometry", "io", "draw"]),
     (
+        "crates/dsslam",
+        &["geometry", "features", "dsfeat", "bow", "map", "slam", "events", "runtime", "io", "synth", "eval"],
+    ),
+    (
         "crates/cli",
         &[
-            "geometry", "features", "optim", "map", "slam", "runtime", "io", "bow", "synth", "eval", "draw",
+            "dsslam", "geometry", "features", "map", "slam", "runtime", "io", "bow", "synth", "eval", "draw",
             "export", "dsfeat", "events",
         ],
     ),

@@ -13,7 +13,7 @@ const KILLS: u64 = 20;
 fn saver() -> PathBuf {
     let tests = std::env::current_exe().unwrap();
     let saver = tests.ancestors().nth(2).unwrap().join("examples/map_file");
-    assert!(saver.exists(), "{} is not built: cargo build -p tests --examples", saver.display());
+    assert!(saver.exists(), "{} is not built: cargo build -p dsslam-tests --examples", saver.display());
     saver
 }
 

@@ -36,7 +36,7 @@ impl std::fmt::Display for Call {
 pub(crate) fn program() -> PathBuf {
     let tests = std::env::current_exe().unwrap();
     let program = tests.ancestors().nth(2).unwrap().join("dsslam");
-    assert!(program.exists(), "{} is not built: cargo build -p dsslam", program.display());
+    assert!(program.exists(), "{} is not built: cargo build -p dsslam-cli", program.display());
     program
 }
 

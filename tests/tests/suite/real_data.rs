@@ -63,7 +63,7 @@ fn a_folder_of_unrectified_images_is_run_as_it_is() {
 
 /// Pins every bit of tracking and mapping on real frames, without the network, whose last bits depend on the processor. The
 /// value may be renewed in a change that means to change results, after the errors of the evaluation were seen not to be
-/// worse: `DSSLAM_RENEW_GOLDEN=1 cargo test -p tests golden`.
+/// worse: `DSSLAM_RENEW_GOLDEN=1 cargo test -p dsslam-tests golden`.
 #[test]
 fn the_golden_trajectory_is_reproduced() {
     let response = ["--set", "features.selection=response", "--set", "features.keep=2000"];

@@ -1,7 +1,7 @@
 //! Our own format: what was written is read again, everything else is refused with its reason.
 
 use super::support::{images, options, random, small_vocabulary};
-use bow::{FormatError, Vocabulary, train};
+use dsslam_bow::{FormatError, Vocabulary, train};
 use rand::Rng;
 
 /// Offset of the checksum and of the numbers behind it, see the crate's table of the format.

@@ -1,8 +1,8 @@
 //! Files: opened by content, written whole, errors that name them.
 
 use super::support::{images, small_vocabulary};
-use bow::tool::{self, Format, Info, convert, open, open_with_format, save};
-use bow::{Vocabulary, VocabularyError};
+use dsslam_bow::tool::{self, Format, Info, convert, open, open_with_format, save};
+use dsslam_bow::{Vocabulary, VocabularyError};
 use features::ExtractorConfig;
 use geometry::Raster;
 use std::fs;
@@ -78,7 +78,7 @@ fn a_file_in_use_can_be_replaced() {
     let path = folder.path().join("v.dbow");
     save(&small_vocabulary(), &path, Format::Binary).unwrap();
     let opened = open(&path).unwrap();
-    let other = bow::train(&images(3, 50, 10, 7), &super::support::options(2, 2)).unwrap();
+    let other = dsslam_bow::train(&images(3, 50, 10, 7), &super::support::options(2, 2)).unwrap();
     save(&other, &path, Format::Binary).unwrap();
     assert_eq!(opened, small_vocabulary());
     assert_eq!(open(&path).unwrap(), other);

@@ -1,7 +1,7 @@
 //! Guided matching.
 
 use super::support::{noisy, random, random_descriptor, small_vocabulary};
-use bow::{DirectIndex, MatchOptions, MatchSide, NodeMatch, match_by_node};
+use dsslam_bow::{DirectIndex, MatchOptions, MatchSide, NodeMatch, match_by_node};
 use features::{Descriptor, Keypoint};
 use proptest::prelude::*;
 use rand::seq::SliceRandom;

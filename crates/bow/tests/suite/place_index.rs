@@ -1,7 +1,7 @@
 //! The place index against a plain list.
 
 use super::support::random;
-use bow::{BowVector, DuplicateKeyframe, PlaceIndex, PlaceMatch};
+use dsslam_bow::{BowVector, DuplicateKeyframe, PlaceIndex, PlaceMatch};
 use proptest::prelude::*;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;

@@ -1,7 +1,7 @@
 //! Real sequences, where `DSSLAM_DATA` names a folder with them; elsewhere each test says that it was skipped. None of the
 //! frames was used for the training of the built-in vocabulary.
 
-use bow::{BowVector, DirectIndex, MatchOptions, MatchSide, PlaceIndex, Vocabulary, match_by_node};
+use dsslam_bow::{BowVector, DirectIndex, MatchOptions, MatchSide, PlaceIndex, Vocabulary, match_by_node};
 use features::{Extractor, ExtractorConfig, Features};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -90,7 +90,7 @@ fn guided_matching_agrees_with_the_motion() {
     let matches = matched(true);
     assert!(matches.len() > 100 && matches.len() <= matched(false).len(), "{}", matches.len());
     // Driving straight on: hardly anything moves more than a tenth of the image's width.
-    let shift = |m: &bow::NodeMatch| {
+    let shift = |m: &dsslam_bow::NodeMatch| {
         let [p, q] = [views[0].features.keypoints[m.a as usize], views[1].features.keypoints[m.b as usize]];
         (p.x - q.x).hypot(p.y - q.y)
     };

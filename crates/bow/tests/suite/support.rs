@@ -1,6 +1,6 @@
 //! Small vocabularies and images for the tests.
 
-use bow::{TrainOptions, Vocabulary, train};
+use dsslam_bow::{TrainOptions, Vocabulary, train};
 use features::Descriptor;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

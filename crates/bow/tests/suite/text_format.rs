@@ -1,7 +1,7 @@
 //! ORB-SLAM2's text format.
 
 use super::support::{images, small_vocabulary};
-use bow::{FormatError, Vocabulary};
+use dsslam_bow::{FormatError, Vocabulary};
 use features::Descriptor;
 use std::fmt::Write;
 

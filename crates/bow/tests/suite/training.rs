@@ -1,7 +1,7 @@
 //! Training: the same bytes for any number of threads, a proper tree, the right weights.
 
 use super::support::{images, noisy, options, random, random_descriptor};
-use bow::{TrainError, TrainOptions, Vocabulary, train};
+use dsslam_bow::{TrainError, TrainOptions, Vocabulary, train};
 use features::Descriptor;
 
 #[test]

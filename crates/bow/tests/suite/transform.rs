@@ -1,7 +1,7 @@
 //! Descriptors to words, vectors and direct indices.
 
 use super::support::{images, random, random_descriptor, small_vocabulary};
-use bow::{BowVector, Vocabulary};
+use dsslam_bow::{BowVector, Vocabulary};
 use features::Descriptor;
 use proptest::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use export::{Scene, Tint, colmap_binary, colmap_text};
+use dsslam_export::{Scene, Tint, colmap_binary, colmap_text};
 use geometry::{SE3, SO3, Vec3};
 
 use super::world::*;
@@ -60,7 +60,7 @@ impl Bytes<'_> {
     }
 }
 
-fn read_binary(files: &export::ColmapFiles) -> Model {
+fn read_binary(files: &dsslam_export::ColmapFiles) -> Model {
     let mut model = Model::default();
     let mut bytes = Bytes(&files.cameras);
     for _ in 0..bytes.u64() {
@@ -101,7 +101,7 @@ fn numbers(words: &[&str]) -> Vec<f64> {
     words.iter().map(|word| word.parse().unwrap()).collect()
 }
 
-fn read_text(files: &export::ColmapFiles) -> Model {
+fn read_text(files: &dsslam_export::ColmapFiles) -> Model {
     let mut model = Model::default();
     for line in lines(&files.cameras) {
         assert_eq!(line[1], "PINHOLE");

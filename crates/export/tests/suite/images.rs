@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use export::{ExportError, Scene, SceneImages};
+use dsslam_export::{ExportError, Scene, SceneImages};
 use geometry::{CameraModel, Distortion, GrayImage, Raster, Vec2};
 use io::{Sensor, Sequence};
 use tempfile::TempDir;

@@ -1,6 +1,6 @@
 //! PLY, nerfstudio and trajectories.
 
-use export::{PlyFrame, Scene, Tint, nerfstudio_json, ply, trajectory};
+use dsslam_export::{PlyFrame, Scene, Tint, nerfstudio_json, ply, trajectory};
 use geometry::{Mat4, Vec3, Vec4};
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! What of a map becomes a scene.
 
-use export::{ExportError, Scene, Tint};
+use dsslam_export::{ExportError, Scene, Tint};
 use geometry::Distortion;
 use map::Parent;
 

@@ -1,7 +1,7 @@
 //! Images with known content for the tests of this crate.
 #![allow(dead_code, unreachable_pub)]
 
-use features::{ExtractorConfig, Rig};
+use dsslam_features::{ExtractorConfig, Rig};
 use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
 use std::sync::Arc;
 

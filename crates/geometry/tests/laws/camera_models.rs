@@ -2,7 +2,7 @@
 
 use crate::assert_close;
 use crate::support::numeric_jacobian;
-use geometry::{CameraModel, Distortion, KannalaBrandt, Pinhole, Vec2, Vec3};
+use dsslam_geometry::{CameraModel, Distortion, KannalaBrandt, Pinhole, Vec2, Vec3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 

@@ -2,7 +2,7 @@
 
 use crate::assert_close;
 use crate::support::{CAMERA, RIG, numeric_jacobian};
-use geometry::{Distortion, Vec2, Vec3};
+use dsslam_geometry::{Distortion, Vec2, Vec3};
 use proptest::prelude::*;
 
 /// EuRoC's left camera, a TUM Kinect and a fisheye-like one with strong tangential terms.

@@ -2,7 +2,7 @@
 
 use crate::assert_close;
 use crate::support::{CAMERA, generator, motion_error, noise, random_motion, random_visible_point};
-use geometry::{
+use dsslam_geometry::{
     Mat3, SE3, Vec2, decompose_essential, essential_from_fundamental, estimate_fundamental,
     fundamental_from_poses, pose_from_essential, sampson_error_sq,
 };
@@ -109,7 +109,7 @@ fn the_pose_behind_the_essential_matrix_is_found() {
 #[test]
 fn all_four_motions_have_the_essential_matrix() {
     let b_from_a = random_motion(&mut generator(5), 1.0, 0.5);
-    let essential_of = |g: &SE3| geometry::SO3::hat(&g.translation) * g.rotation.matrix();
+    let essential_of = |g: &SE3| dsslam_geometry::SO3::hat(&g.translation) * g.rotation.matrix();
     let essential = essential_of(&b_from_a);
     for motion in decompose_essential(&essential).unwrap() {
         assert!((motion.rotation.matrix().determinant() - 1.0).abs() < 1e-13);

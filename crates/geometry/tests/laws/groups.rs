@@ -2,7 +2,7 @@
 
 use crate::assert_close;
 use crate::support::{any_motion, any_rotation_vector, any_vec3, join, numeric_jacobian};
-use geometry::{Mat3, Mat4, Mat6, Mat7, Quaternion, SE3, SO3, Sim3, Vec3, Vec6, Vec7};
+use dsslam_geometry::{Mat3, Mat4, Mat6, Mat7, Quaternion, SE3, SO3, Sim3, Vec3, Vec6, Vec7};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 

@@ -5,7 +5,7 @@ use crate::support::{
     CAMERA, any_rotation_vector, any_vec3, generator, motion_error, noise, random_motion, random_pixel,
     random_vec3,
 };
-use geometry::{
+use dsslam_geometry::{
     Homography, HomographyEstimator, Mat3, Pinhole, PlanarMotion, RansacOptions, SE3, SO3, Vec2, Vec3,
     decompose_homography, estimate_homography, homography_of_four, ransac,
 };

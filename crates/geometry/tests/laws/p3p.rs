@@ -1,7 +1,7 @@
 //! Known answers for the minimal pose solver.
 
 use crate::support::{generator, motion_error, random_motion, random_visible_point};
-use geometry::{SE3, Vec3, p3p};
+use dsslam_geometry::{SE3, Vec3, p3p};
 
 struct Case {
     cam_from_world: SE3,
@@ -49,7 +49,7 @@ fn every_solution_sees_the_points_along_the_rays_and_is_a_motion() {
         let case = case(seed);
         for solution in p3p(&case.rays, &case.points_world) {
             let rotation = solution.rotation.matrix();
-            assert!((rotation.transpose() * rotation - geometry::Mat3::identity()).amax() < 1e-13);
+            assert!((rotation.transpose() * rotation - dsslam_geometry::Mat3::identity()).amax() < 1e-13);
             assert!((rotation.determinant() - 1.0).abs() < 1e-13);
             for (ray, point) in case.rays.iter().zip(&case.points_world) {
                 let seen = (solution * point).normalize();
@@ -97,7 +97,7 @@ fn the_symmetric_case_has_its_answer() {
     let corner = |k: f64| Vec3::new((k * 2.0944).cos(), (k * 2.0944).sin(), 0.0);
     let points_world = [corner(0.0), corner(1.0), corner(2.0)];
     let rays = points_world.map(|p| p + Vec3::new(0.0, 0.0, 2.0));
-    let truth = SE3::new(geometry::SO3::identity(), Vec3::new(0.0, 0.0, 2.0));
+    let truth = SE3::new(dsslam_geometry::SO3::identity(), Vec3::new(0.0, 0.0, 2.0));
     let solutions = p3p(&rays, &points_world);
     assert!(solutions.iter().any(|s| (s.matrix() - truth.matrix()).amax() < 1e-9), "{solutions:?}");
 }

@@ -2,7 +2,7 @@
 
 use crate::assert_close;
 use crate::support::{generator, noise, random_motion, random_vec3};
-use geometry::{SO3, Sim3, Vec3, align_umeyama};
+use dsslam_geometry::{SO3, Sim3, Vec3, align_umeyama};
 use rand::Rng;
 
 fn points(seed: u64, n: usize) -> Vec<Vec3> {
@@ -65,7 +65,7 @@ fn the_answer_is_the_minimum_of_the_weighted_cost() {
     let found = align_umeyama(&src, &dst, Some(&weights), true).unwrap();
     let cost = |s: &Sim3| -> f64 { (0..30).map(|i| weights[i] * (s * src[i] - dst[i]).norm_squared()).sum() };
     for k in 0..14 {
-        let mut v = geometry::Vec7::zeros();
+        let mut v = dsslam_geometry::Vec7::zeros();
         v[k / 2] = if k % 2 == 0 { 1e-4 } else { -1e-4 };
         assert!(cost(&(Sim3::exp(&v) * found)) > cost(&found), "direction {k}");
     }

@@ -4,7 +4,7 @@ use crate::assert_close;
 use crate::support::{
     CAMERA, generator, motion_error, noise, random_motion, random_pixel, random_vec3, random_visible_point,
 };
-use geometry::{
+use dsslam_geometry::{
     AlignmentEstimator, Estimator, FundamentalEstimator, PnpEstimator, RansacOptions, SE3, SightedPoints,
     Sim3, SimilarityEstimator, Vec2, Vec3, ransac, sampson_error_sq,
 };
@@ -197,7 +197,7 @@ fn refitting_never_lowers_the_number_of_true_matches() {
     let estimator = scene.estimator();
     let inliers: Vec<usize> = (20..80).collect();
     let displaced =
-        SE3::exp(&geometry::Vec6::new(0.02, -0.01, 0.02, 0.003, 0.002, -0.003)) * scene.cam_from_world;
+        SE3::exp(&dsslam_geometry::Vec6::new(0.02, -0.01, 0.02, 0.003, 0.002, -0.003)) * scene.cam_from_world;
     let cost = |g: &SE3| -> f64 { inliers.iter().map(|&i| estimator.error_sq(g, i)).sum() };
     let refined = estimator.refit(&displaced, &inliers, &[1.0; 80]).unwrap();
     assert!(cost(&displaced) > 3.0 * cost(&refined));

@@ -1,6 +1,6 @@
 //! Images as plain data.
 
-use geometry::{GrayImage, Raster};
+use dsslam_geometry::{GrayImage, Raster};
 
 #[test]
 fn places_are_row_after_row() {

@@ -2,7 +2,7 @@
 
 use crate::camera_models::{EUROC_LEFT, TUM_VI_LEFT};
 use crate::support::{generator, random_vec3};
-use geometry::{
+use dsslam_geometry::{
     CameraModel, Distortion, Pinhole, RectificationError, SE3, SO3, StereoRectification, Vec2, Vec3,
     rectify_single, rectify_stereo,
 };

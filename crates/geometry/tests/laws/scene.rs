@@ -1,7 +1,7 @@
 //! Made scenes that two cameras see, for the tests of two-view reconstruction.
 
 use crate::support::{generator, motion_error, noise, random_vec3};
-use geometry::{
+use dsslam_geometry::{
     Pinhole, SE3, SO3, TwoView, TwoViewFailure, TwoViewMatches, TwoViewOptions, TwoViewReconstruction, Vec2,
     Vec3, angle_between,
 };

@@ -1,6 +1,6 @@
 //! Inputs and comparisons shared by the tests.
 
-use geometry::{Pinhole, SE3, SO3, StereoRig, Vec2, Vec3, Vec6};
+use dsslam_geometry::{Pinhole, SE3, SO3, StereoRig, Vec2, Vec3, Vec6};
 use nalgebra::{SMatrix, SVector};
 use proptest::prelude::*;
 use rand::Rng;

@@ -2,7 +2,7 @@
 
 use crate::assert_close;
 use crate::support::{generator, random_motion, random_visible_point};
-use geometry::{SE3, SO3, Vec2, Vec3, angle_between, parallax, triangulate, triangulate_dlt};
+use dsslam_geometry::{SE3, SO3, Vec2, Vec3, angle_between, parallax, triangulate, triangulate_dlt};
 use rand::Rng;
 
 struct Scene {

@@ -2,7 +2,7 @@
 
 use crate::scene::{CAMERA, RECONSTRUCTION, Scene, pixel, sideways};
 use crate::support::{generator, motion_error, random_motion, random_vec3};
-use geometry::{
+use dsslam_geometry::{
     Pinhole, SE3, SO3, TwoView, TwoViewFailure, TwoViewMatches, TwoViewModel, TwoViewOptions,
     TwoViewReconstruction, Vec2, Vec3, angle_between,
 };

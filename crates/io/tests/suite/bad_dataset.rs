@@ -1,6 +1,6 @@
 //! Broken dataset folders: the exact message.
 
-use io::{Sensor, open_sequence};
+use dsslam_io::{Sensor, open_sequence};
 
 use super::support::{Folder, P0, P1};
 

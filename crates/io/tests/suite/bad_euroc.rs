@@ -1,6 +1,6 @@
 //! Broken EuRoC folders: the exact message.
 
-use io::{Sensor, open_sequence};
+use dsslam_io::{Sensor, open_sequence};
 
 use super::support::{Folder, euroc_stamp, sensor_yaml};
 

@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use dsslam_io::{FrameSource, ImageError, ImageSize, load_depth, load_frame, load_gray, open_sequence};
 use geometry::DepthImage;
-use io::{FrameSource, ImageError, ImageSize, load_depth, load_frame, load_gray, open_sequence};
 
 use super::support::Folder;
 
@@ -12,7 +12,7 @@ fn missing() {
     let folder = Folder::new();
     let path = folder.file("000000.png");
     assert_eq!(folder.hide(load_gray(&path).unwrap_err()), "DIR/000000.png: no such image");
-    assert_eq!(folder.hide(io::image_size(&path).unwrap_err()), "DIR/000000.png: no such image");
+    assert_eq!(folder.hide(dsslam_io::image_size(&path).unwrap_err()), "DIR/000000.png: no such image");
 }
 
 #[test]
@@ -21,7 +21,7 @@ fn empty() {
     let path = folder.write("000000.png", "");
     let expected = "DIR/000000.png: empty file (0 bytes), expected an image";
     assert_eq!(folder.hide(load_gray(&path).unwrap_err()), expected);
-    assert_eq!(folder.hide(io::image_size(&path).unwrap_err()), expected);
+    assert_eq!(folder.hide(dsslam_io::image_size(&path).unwrap_err()), expected);
 }
 
 #[test]
@@ -31,7 +31,7 @@ fn text_as_image() {
     let expected =
         "DIR/a.png: not an image: begins with the text \"# color images\\nr\", expected PNG or JPEG";
     assert_eq!(folder.hide(load_gray(&path).unwrap_err()), expected);
-    assert_eq!(folder.hide(io::image_size(&path).unwrap_err()), expected);
+    assert_eq!(folder.hide(dsslam_io::image_size(&path).unwrap_err()), expected);
 }
 
 #[test]
@@ -119,7 +119,7 @@ fn wrong_kind_of_pixels() {
         "DIR/gray.png: found 8-bit grey, expected 16-bit grey (a depth image)"
     );
     let depth = folder.file("depth.png");
-    io::save_png_depth(&depth, &DepthImage::new(4, 4, 5000)).unwrap();
+    dsslam_io::save_png_depth(&depth, &DepthImage::new(4, 4, 5000)).unwrap();
     assert_eq!(
         folder.hide(load_gray(&depth).unwrap_err()),
         "DIR/depth.png: found 16-bit grey, expected 8 bits per channel, grey or colour"
@@ -146,7 +146,7 @@ fn left_and_right_of_different_size() {
 #[test]
 fn depth_of_another_size() {
     let folder = Folder::tum();
-    io::save_png_depth(&folder.file("depth/b.png"), &DepthImage::new(20, 10, 1)).unwrap();
+    dsslam_io::save_png_depth(&folder.file("depth/b.png"), &DepthImage::new(20, 10, 1)).unwrap();
     let sequence = open_sequence(folder.path(), None).unwrap();
     assert_eq!(
         folder.hide(load_frame(&sequence.frames[1]).unwrap_err()),
@@ -172,6 +172,6 @@ fn a_frame_of_another_size_than_the_sequence() {
 fn unwritable_image() {
     let folder = Folder::new();
     folder.write("file", "x");
-    let error = io::save_png_depth(&folder.file("file/a.png"), &DepthImage::new(2, 2, 1)).unwrap_err();
+    let error = dsslam_io::save_png_depth(&folder.file("file/a.png"), &DepthImage::new(2, 2, 1)).unwrap_err();
     assert_eq!(folder.hide(error), "DIR/file/a.png: cannot be written: Not a directory (os error 20)");
 }

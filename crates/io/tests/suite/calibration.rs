@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use dsslam_io::{Calibration, Config, Provenance, Sensor};
 use geometry::{Distortion, Pinhole, StereoRig};
-use io::{Calibration, Config, Provenance, Sensor};
 
 use super::support::Folder;
 

@@ -1,7 +1,7 @@
 //! Calibration files: the three formats, and the exact message for what is wrong in them.
 
+use dsslam_io::{OpenOptions, Sensor, Sequence, open_sequence_with};
 use geometry::{CameraModel, Distortion, Vec3};
-use io::{OpenOptions, Sensor, Sequence, open_sequence_with};
 
 use super::support::{Folder, calibration_yaml, sensor_yaml};
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use io::{Config, Literal, Provenance, SCHEMA, Sensor};
+use dsslam_io::{Config, Literal, Provenance, SCHEMA, Sensor};
 use proptest::prelude::*;
 
 use super::support::Folder;

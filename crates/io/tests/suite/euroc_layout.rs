@@ -1,7 +1,7 @@
 //! EuRoC folders: pairs by time, sensors, raw and rectified cameras, ground truth of the body.
 
+use dsslam_io::{Sensor, SequenceKind, load_frame, open_sequence};
 use geometry::{CameraModel, Distortion, SE3, SO3, Vec3};
-use io::{Sensor, SequenceKind, load_frame, open_sequence};
 
 use super::support::{Folder, euroc_stamp, sensor_yaml};
 

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use geometry::{CameraModel, Vec3};
-use io::{
+use dsslam_io::{
     DatasetError, OpenOptions, Packing, Sensor, Sequence, SequenceKind, load_frame, open_sequence_with,
 };
+use geometry::{CameraModel, Vec3};
 
 use super::support::{Folder, calibration_yaml};
 
@@ -83,7 +83,7 @@ fn two_images_side_by_side_are_taken_apart() {
     let sequence = open(&folder, None).unwrap();
     assert_eq!((sequence.sensor, sequence.frames[0].packing), (Sensor::Stereo, Packing::BothHalves));
     assert_eq!(sequence.image_size().unwrap().1.to_string(), "40x20");
-    let (frame, whole) = (load_frame(&sequence.frames[0]).unwrap(), io::load_gray(&whole).unwrap());
+    let (frame, whole) = (load_frame(&sequence.frames[0]).unwrap(), dsslam_io::load_gray(&whole).unwrap());
     let right = frame.right.unwrap();
     for (x, y) in [(0, 0), (39, 19), (7, 3)] {
         assert_eq!((frame.left.at(x, y), right.at(x, y)), (whole.at(x, y), whole.at(40 + x, y)));

@@ -1,7 +1,7 @@
 //! Images survive writing and reading; colour becomes grey as in OpenCV.
 
+use dsslam_io::{ImageSize, Rgb};
 use geometry::{DepthImage, GrayImage};
-use io::{ImageSize, Rgb};
 
 use super::support::Folder;
 
@@ -13,9 +13,12 @@ const HEIGHT: usize = 11;
 fn gray_round_trip() {
     let folder = Folder::new();
     let image = GrayImage::from_fn(WIDTH, HEIGHT, |x, y| (x * 31 + y * 97) as u8);
-    io::save_png_gray(&folder.file("a.png"), &image).unwrap();
-    assert_eq!(io::load_gray(&folder.file("a.png")).unwrap(), image);
-    assert_eq!(io::image_size(&folder.file("a.png")).unwrap(), ImageSize { width: WIDTH, height: HEIGHT });
+    dsslam_io::save_png_gray(&folder.file("a.png"), &image).unwrap();
+    assert_eq!(dsslam_io::load_gray(&folder.file("a.png")).unwrap(), image);
+    assert_eq!(
+        dsslam_io::image_size(&folder.file("a.png")).unwrap(),
+        ImageSize { width: WIDTH, height: HEIGHT }
+    );
     assert_eq!(folder.names(), ["a.png"], "no temporary file is left");
 }
 
@@ -23,8 +26,8 @@ fn gray_round_trip() {
 fn depth_keeps_sixteen_bits() {
     let folder = Folder::new();
     let image = DepthImage::from_fn(WIDTH, HEIGHT, |x, y| (x * 1777 + y * 40_009) as u16);
-    io::save_png_depth(&folder.file("a.png"), &image).unwrap();
-    assert_eq!(io::load_depth(&folder.file("a.png")).unwrap(), image);
+    dsslam_io::save_png_depth(&folder.file("a.png"), &image).unwrap();
+    assert_eq!(dsslam_io::load_depth(&folder.file("a.png")).unwrap(), image);
 }
 
 #[test]
@@ -32,9 +35,9 @@ fn colour_becomes_gray() {
     let folder = Folder::new();
     let colours = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [9, 9, 9], [255, 255, 255], [10, 200, 30]];
     let image = Rgb::from_vec(3, 2, colours.to_vec()).unwrap();
-    io::save_png_rgb(&folder.file("a.png"), &image).unwrap();
+    dsslam_io::save_png_rgb(&folder.file("a.png"), &image).unwrap();
     // 10 * 0.299 + 200 * 0.587 + 30 * 0.114 = 123.81
-    assert_eq!(io::load_gray(&folder.file("a.png")).unwrap().data, [76, 150, 29, 9, 255, 124]);
+    assert_eq!(dsslam_io::load_gray(&folder.file("a.png")).unwrap().data, [76, 150, 29, 9, 255, 124]);
 }
 
 #[test]
@@ -43,7 +46,7 @@ fn the_extension_does_not_matter() {
     let png = folder.gray("a.png", WIDTH, HEIGHT);
     let bytes = std::fs::read(&png).unwrap();
     let renamed = folder.write("b.jpg", bytes);
-    assert_eq!(io::load_gray(&renamed).unwrap(), io::load_gray(&png).unwrap());
+    assert_eq!(dsslam_io::load_gray(&renamed).unwrap(), dsslam_io::load_gray(&png).unwrap());
 }
 
 #[test]
@@ -54,11 +57,11 @@ fn jpeg_is_read() {
         .encode(&[120; WIDTH * HEIGHT], WIDTH as u32, HEIGHT as u32, image::ExtendedColorType::L8)
         .unwrap();
     let path = folder.write("a.jpg", &bytes);
-    let read = io::load_gray(&path).unwrap();
+    let read = dsslam_io::load_gray(&path).unwrap();
     assert_eq!((read.width, read.height), (WIDTH, HEIGHT));
     assert!(read.data.iter().all(|value| value.abs_diff(120) <= 1));
-    assert_eq!(io::image_size(&path).unwrap(), ImageSize { width: WIDTH, height: HEIGHT });
+    assert_eq!(dsslam_io::image_size(&path).unwrap(), ImageSize { width: WIDTH, height: HEIGHT });
     let cut = folder.write("cut.jpg", &bytes[..20]);
-    let message = folder.hide(io::load_gray(&cut).unwrap_err());
+    let message = folder.hide(dsslam_io::load_gray(&cut).unwrap_err());
     assert!(message.starts_with("DIR/cut.jpg: truncated or corrupt JPEG image: "), "{message}");
 }

@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use dsslam_io::{ImageError, Sensor, Sequence, SequenceKind, load_frame, open_sequence};
 use geometry::Vec3;
-use io::{ImageError, Sensor, Sequence, SequenceKind, load_frame, open_sequence};
 
 use super::support::{Folder, P0, P1};
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use io::{Sensor, Sequence, load_frame, open_sequence};
+use dsslam_io::{Sensor, Sequence, load_frame, open_sequence};
 
 /// A sequence of the data folder, if there is one.
 fn open(name: &str, sensor: Option<Sensor>) -> Option<Sequence> {

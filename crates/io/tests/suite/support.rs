@@ -69,7 +69,7 @@ impl Folder {
         for name in ["a", "b", "c"] {
             folder.gray(&format!("rgb/{name}.png"), 40, 20);
             let depth = DepthImage::new(40, 20, 5000);
-            io::save_png_depth(&folder.prepare(&format!("depth/{name}.png")), &depth).unwrap();
+            dsslam_io::save_png_depth(&folder.prepare(&format!("depth/{name}.png")), &depth).unwrap();
         }
         folder
     }
@@ -114,7 +114,7 @@ impl Folder {
     pub(super) fn gray(&self, name: &str, width: usize, height: usize) -> PathBuf {
         let path = self.prepare(name);
         let image = GrayImage::from_fn(width, height, |x, y| ((x * 7 + y * 13) % 256) as u8);
-        io::save_png_gray(&path, &image).unwrap();
+        dsslam_io::save_png_gray(&path, &image).unwrap();
         path
     }
 

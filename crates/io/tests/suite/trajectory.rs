@@ -1,10 +1,10 @@
 //! Trajectories survive writing and reading; broken files get their exact message.
 
-use geometry::{SE3, Vec6};
-use io::{
+use dsslam_io::{
     FileError, StampedPose, Trajectory, read_euroc, read_kitti_poses, read_trajectory, read_tum, write_euroc,
     write_kitti, write_tum,
 };
+use geometry::{SE3, Vec6};
 use proptest::prelude::*;
 
 use super::support::Folder;
@@ -239,7 +239,7 @@ fn folders_that_cannot_be_written() {
     let reason = "cannot be written: Not a directory (os error 20)";
     let error = write_tum(&folder.file("file/t.txt"), &curve(1, 1.0)).unwrap_err();
     assert_eq!(folder.hide(error), format!("DIR/file/t.txt: {reason}"));
-    let error = io::create_output_folder(&folder.file("file/results")).unwrap_err();
+    let error = dsslam_io::create_output_folder(&folder.file("file/results")).unwrap_err();
     assert_eq!(folder.hide(error), format!("DIR/file/results: {reason}"));
     let error = write_kitti(&folder.file("none/k.txt"), &curve(1, 1.0)).unwrap_err();
     assert_eq!(
@@ -251,7 +251,7 @@ fn folders_that_cannot_be_written() {
 #[test]
 fn writing_replaces_the_whole_file_and_leaves_nothing_else() {
     let folder = Folder::new();
-    io::create_output_folder(&folder.file("a/b")).unwrap();
+    dsslam_io::create_output_folder(&folder.file("a/b")).unwrap();
     assert!(folder.file("a/b").is_dir());
     write_tum(&folder.file("t.txt"), &curve(20, 1.0)).unwrap();
     write_tum(&folder.file("t.txt"), &curve(2, 1.0)).unwrap();

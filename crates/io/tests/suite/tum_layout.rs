@@ -1,6 +1,6 @@
 //! TUM RGB-D folders: association of colour and depth, sensors, ground truth.
 
-use io::{OpenOptions, Sensor, SequenceKind, load_frame, open_sequence, open_sequence_with};
+use dsslam_io::{OpenOptions, Sensor, SequenceKind, load_frame, open_sequence, open_sequence_with};
 
 use super::support::Folder;
 

@@ -1,7 +1,7 @@
 //! "Bundle adjustment in the large" (Agarwal et al., ECCV 2010): camera model and file format.
 
+use dsslam_optim::{Edge, Graph, Linearization, Loss, ObservationModel, Point};
 use geometry::{Mat3, SO3, Vec3};
-use optim::{Edge, Graph, Linearization, Loss, ObservationModel, Point};
 
 /// Rodrigues vector, translation, focal length and two radial coefficients; cameras look along -z.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
+use dsslam_optim::{BundleObservation, BundleProblem, PoseObservation};
 use geometry::{Mat6, Pinhole, SE3, StereoRig, Vec2, Vec3, Vec6};
-use optim::{BundleObservation, BundleProblem, PoseObservation};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -4,8 +4,8 @@
 
 use std::path::PathBuf;
 
+use dsslam_optim::{PoseGraphEdge, PoseGraphProblem};
 use geometry::{Mat6, Quaternion, SE3, SO3, Vec3};
-use optim::{PoseGraphEdge, PoseGraphProblem};
 
 /// `$DSSLAM_GRAPHS`, else `$DSSLAM_DATA/graphs`, else beside the repository.
 pub fn find(name: &str) -> Option<String> {

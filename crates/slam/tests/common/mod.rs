@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use dsslam_slam::{Mapper, NoProbe, Params, TrackState, Tracked, Tracker};
 use features::{Descriptor, Features, Frame, Keypoint, Rig, ScaleLevels};
 use geometry::{Distortion, Pinhole, SE3, SO3, StereoRig, Vec3, mix_seed};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use slam::{Mapper, NoProbe, Params, TrackState, Tracked, Tracker};
 
 pub(crate) const WIDTH: usize = 1241;
 pub(crate) const HEIGHT: usize = 376;
@@ -149,10 +149,10 @@ pub(crate) struct Pair {
 
 impl Pair {
     pub(crate) fn new(params: &Params) -> Self {
-        Pair::with_world(params, slam::World::default())
+        Pair::with_world(params, dsslam_slam::World::default())
     }
 
-    pub(crate) fn with_world(params: &Params, world: slam::World) -> Self {
+    pub(crate) fn with_world(params: &Params, world: dsslam_slam::World) -> Self {
         Pair { tracker: Tracker::new(params.clone()), mapper: Mapper::new(params.clone(), world) }
     }
 

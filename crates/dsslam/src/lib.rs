@@ -1,0 +1,1 @@
+//! The library's front door: push images, get poses and a map.
