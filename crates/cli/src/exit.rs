@@ -1,36 +1,36 @@
-//! Exit codes, and errors that carry theirs.
+//! Exit codes, and errors that carry one.
 
 use std::fmt;
 
-/// What the program tells the shell. A panic (101) is a bug and not among them.
+/// How the program ends. A panic (101) is a bug and not listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Exit {
-    /// The command did what it was asked for.
+    /// The command succeeded.
     Done,
-    /// The run came to its end, but without a single pose.
+    /// The run finished without a single pose.
     Unusable,
-    /// Wrong arguments, a wrong configuration or a dataset that cannot be used: nothing was run.
+    /// Invalid arguments, configuration or dataset: no frame was processed.
     Input,
     /// Results could not be written.
     Output,
-    /// A stage of the run failed, which is a bug; what there was has been written.
+    /// A stage of the run failed, which is a bug; results so far have been written.
     Failed,
-    /// Ended by Ctrl-C (or SIGTERM); what there was has been written.
+    /// Interrupted by Ctrl-C or SIGTERM; results so far have been written.
     Interrupted,
 }
 
 /// The table of exit codes as `--help` shows it.
 pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
-  0    done
-  1    the run ended without a usable result (never initialised, no pose)
-  2    wrong arguments, configuration or dataset; nothing was run
+  0    success
+  1    the run produced no usable result (never initialized, no pose)
+  2    invalid arguments, configuration or dataset; no frame was processed
   3    the results cannot be written
-  4    a stage of the run failed, which is a bug; what there was has been written
-  130  interrupted (Ctrl-C, SIGTERM); what there was has been written";
+  4    a stage of the run failed, which is a bug; results so far have been written
+  130  interrupted (Ctrl-C, SIGTERM); results so far have been written";
 
 impl Exit {
-    /// The number for the shell.
+    /// The number that the shell sees.
     pub(crate) fn code(self) -> u8 {
         match self {
             Exit::Done => 0,
@@ -43,7 +43,7 @@ impl Exit {
     }
 }
 
-/// An error together with the exit code that it ends the program with.
+/// An error and the exit code with which it ends the program.
 #[derive(Debug)]
 pub(crate) struct Failure {
     /// The code for the shell.
@@ -58,11 +58,11 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Gives an error its exit code.
+/// Attaches an exit code to an error.
 pub(crate) trait OrExit<T> {
-    /// The input is at fault: code 2.
+    /// Blames the input: code 2.
     fn or_input(self) -> Result<T, Failure>;
-    /// The output is at fault: code 3.
+    /// Blames the output: code 3.
     fn or_output(self) -> Result<T, Failure>;
 }
 

@@ -41,7 +41,7 @@ Layouts:
                    calibration.yaml in the folder, or from the configuration
 
 Results: trajectory.kitti.txt, trajectory.tum.txt, ground_truth.tum.txt, trajectory.png, frames.csv,
-loops.csv, config.yaml, timings.csv, summary.json (README.md explains them); results/latest points to the newest run.",
+loops.csv, config.yaml, timings.csv, summary.json (docs/results.md explains them); results/latest points to the newest run.",
     )
 }
 

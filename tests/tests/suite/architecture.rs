@@ -1,5 +1,5 @@
-//! The rules of the README's architecture section, checked: who may depend on whom, how long a file may be, what the
-//! README and the configurations must hold.
+//! The rules of docs/architecture.md, checked: who may depend on whom, how long a file may be, what the configurations
+//! must hold.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -160,10 +160,13 @@ fn nothing_is_left_for_later() {
 }
 
 #[test]
-fn the_readme_names_every_crate() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+fn the_table_of_crates_names_every_crate() {
+    let document = fs::read_to_string(root().join("docs/architecture.md")).unwrap();
     for krate in crates() {
-        assert!(readme.contains(&format!("`{krate}`")), "README.md does not name `{krate}`");
+        assert!(
+            document.contains(&format!("\n| `{krate}` |")),
+            "docs/architecture.md has no row for `{krate}`"
+        );
     }
 }
 
@@ -191,6 +194,7 @@ fn rerun_has_one_version() {
     let version = line.split('"').nth(1).unwrap().trim_start_matches('=');
     for (file, before) in [
         ("README.md", "rerun-sdk=="),
+        ("docs/viewer.md", "rerun-sdk=="),
         ("crates/cli/src/doctor/checks.rs", "RERUN_VERSION: &str = \""),
         ("crates/viewer/src/output.rs", "rerun-sdk=="),
     ] {

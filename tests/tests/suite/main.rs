@@ -6,6 +6,7 @@ mod bad_config;
 mod bad_euroc;
 mod bad_images;
 mod bad_sequence;
+mod documents;
 mod end_to_end;
 mod event_stream;
 mod map_file;

@@ -30,7 +30,7 @@ struct Camera {
     distortion: Option<Spanned<Vec<f64>>>,
 }
 
-/// Reads a calibration in our own format (README, section Input).
+/// Reads a calibration in our own format (described in docs/inputs.md).
 ///
 /// # Errors
 /// [`DatasetError`] naming the field, what was found and what was expected.
