@@ -110,7 +110,7 @@ fn read(file: &Path) -> anyhow::Result<(map::Map, MapFileInfo)> {
 
 /// The images of the scene; depth images are not needed, and without them no frame is left out.
 fn find_images(scene: &Scene, info: &MapFileInfo, dir: &Path) -> anyhow::Result<SceneImages> {
-    let sensor = if info.sensor == Sensor::Stereo.to_string() { Sensor::Stereo } else { Sensor::Mono };
+    let sensor = if info.sensor == Some(Sensor::Stereo) { Sensor::Stereo } else { Sensor::Mono };
     let options = OpenOptions { sensor: Some(sensor), ..OpenOptions::default() };
     let sequence = io::open_sequence_with(dir, &options)?;
     Ok(SceneImages::find(scene, &sequence, dir)?)
@@ -147,7 +147,7 @@ fn describe(args: &ExportArgs, info: &MapFileInfo, scene: &Scene) {
 }
 
 fn kind(info: &MapFileInfo) -> String {
-    if info.sensor.is_empty() { "a map".to_owned() } else { format!("{} map", info.sensor) }
+    info.sensor.map_or("a map".to_owned(), |sensor| format!("{sensor} map"))
 }
 
 /// The colours of the points; the images are written into `folder` where there is one.

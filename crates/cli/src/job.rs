@@ -166,7 +166,7 @@ fn write_extras(job: &Job<'_>, outcome: &RunOutcome) -> Result<Option<String>> {
     let Some(file) = &job.extras.save_map else { return Ok(None) };
     let vocabulary = job.setup.vocabulary.as_ref();
     let info = MapFileInfo {
-        sensor: job.context.sensor.to_string(),
+        sensor: Some(job.context.sensor),
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         sequence: job.context.sequence.clone(),
         configuration: job.config_yaml.clone(),

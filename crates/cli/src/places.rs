@@ -85,8 +85,9 @@ pub(crate) fn extras(args: &RunArgs) -> Result<Extras> {
 fn load_map(file: &Path, sensor: Sensor) -> Result<Map> {
     let bytes = fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
     let (map, info) = map::file::decode(&bytes).with_context(|| file.display().to_string())?;
-    if info.sensor != sensor.to_string() {
-        bail!("{}: the map was made with sensor {}, this run has {sensor}", file.display(), info.sensor);
+    if info.sensor != Some(sensor) {
+        let found = info.sensor.map_or("unknown", Sensor::word);
+        bail!("{}: the map was made with sensor {found}, this run has {sensor}", file.display());
     }
     Ok(map)
 }

@@ -100,7 +100,7 @@ impl Source {
     /// Opens a folder, a video or a camera with the sensor of the arguments, else of the configuration, else what there is.
     fn open(args: &RunArgs, config: &Config) -> Result<Self, Failure> {
         let options = OpenOptions {
-            sensor: args.sensor.map(io::Sensor::from).or(config.input.sensor),
+            sensor: args.sensor.or(config.input.sensor),
             association_tolerance_s: config.input.association_tolerance_s,
             calibration: args.calib.clone(),
             frame_rate_hz: config.camera.fps,

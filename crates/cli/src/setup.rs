@@ -66,18 +66,13 @@ fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>> {
 /// # Errors
 /// A camera that nobody gives.
 pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, dataset: &Path) -> Result<Setup> {
-    let run_sensor = match sensor {
-        Sensor::Stereo => runtime::Sensor::Stereo,
-        Sensor::Rgbd => runtime::Sensor::Rgbd,
-        Sensor::Mono => runtime::Sensor::Mono,
-    };
     let camera = config.camera_in_force(dataset, sensor)?;
     let close_depth_m = config.stereo.close_depth_baselines * camera.rig.baseline_m;
     let reduced = size.scaled(config.input.scale);
     let stereo = StereoRig { camera: camera.rig.camera.resized(size.factors_to(reduced)), ..camera.rig };
     let rig = Rig { stereo, distortion: camera.distortion, width: reduced.width, height: reduced.height };
     let RuntimeSettings { lag, loop_lag } = config.runtime;
-    let params = slam_params(config, run_sensor, close_depth_m);
+    let params = slam_params(config, sensor, close_depth_m);
     Ok(Setup {
         extractor: extractor(&config.features.with_sensor(sensor)),
         stereo: stereo_association(&config.stereo),
@@ -86,7 +81,7 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
         depth: DepthConfig { units_per_metre: config.camera.depth_units_per_metre, ..DepthConfig::default() },
         lag,
         loop_lag,
-        ..Setup::new(run_sensor, Arc::new(rig), params)
+        ..Setup::new(sensor, Arc::new(rig), params)
     })
 }
 
@@ -141,11 +136,11 @@ fn stereo_association(settings: &StereoSettings) -> StereoConfig {
     StereoConfig { min_depth_m: min_depth_m.unwrap_or(defaults.min_depth_m), ..defaults }
 }
 
-fn slam_params(config: &Config, sensor: runtime::Sensor, close_depth_m: f64) -> Params {
+fn slam_params(config: &Config, sensor: Sensor, close_depth_m: f64) -> Params {
     let mut params = match sensor {
-        runtime::Sensor::Stereo => Params::stereo(close_depth_m, config.camera.fps),
-        runtime::Sensor::Rgbd => Params::rgbd(close_depth_m, config.camera.fps),
-        runtime::Sensor::Mono => Params::mono(config.camera.fps),
+        Sensor::Stereo => Params::stereo(close_depth_m, config.camera.fps),
+        Sensor::Rgbd => Params::rgbd(close_depth_m, config.camera.fps),
+        Sensor::Mono => Params::mono(config.camera.fps),
     };
     let TrackingSettings {
         init_min_features,

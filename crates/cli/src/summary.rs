@@ -14,8 +14,8 @@ pub(crate) struct Summary {
     pub(crate) version: &'static str,
     /// Name of the sequence.
     pub(crate) sequence: String,
-    /// `stereo`, `rgbd` or `mono`.
-    pub(crate) sensor: String,
+    /// Which images a frame has.
+    pub(crate) sensor: io::Sensor,
     /// How tracking and mapping were interleaved.
     pub(crate) schedule: &'static str,
     /// The stage that ended the run by a bug, with its message; `null` if none did.
@@ -158,7 +158,7 @@ impl Summary {
         let statistics = outcome.statistics;
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            sensor: context.sensor.to_string(),
+            sensor: context.sensor,
             schedule: context.schedule,
             failure: outcome.failure.as_ref().map(ToString::to_string),
             interrupted: outcome.interrupted,

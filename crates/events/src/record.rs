@@ -1,5 +1,6 @@
 //! What the stream is made of. A change of these types is a change of [`VERSION`](crate::VERSION).
 
+use geometry::Sensor;
 use serde::{Deserialize, Serialize};
 
 use crate::Pose;
@@ -40,21 +41,14 @@ pub struct Start {
     pub program_version: String,
     /// Name of the sequence.
     pub sequence: String,
-    /// `stereo`, `rgbd` or `mono`.
-    pub sensor: String,
+    /// Which images a frame has.
+    pub sensor: Sensor,
     /// The left camera of the undistorted images.
     pub camera: Camera,
     /// Frames to come.
     pub n_frames: u32,
     /// True positions of the left camera in a frame of their own, in order of the frames; frames without one are left out.
     pub truth: Vec<TruePosition>,
-}
-
-impl Start {
-    /// Whether lengths of the map are free: one camera.
-    pub fn is_scale_free(&self) -> bool {
-        self.sensor == "mono"
-    }
 }
 
 /// A pinhole camera.

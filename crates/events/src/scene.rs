@@ -126,7 +126,7 @@ impl Scene {
     /// The alignment of the truth with all frames that have a pose, as they are now.
     pub fn alignment(&self) -> Option<Alignment> {
         let pairs: Vec<(Vec3, Vec3)> = self.compared().map(|(_, truth, found)| (truth, found)).collect();
-        Alignment::of(&pairs, self.start.as_ref().is_some_and(Start::is_scale_free))
+        Alignment::of(&pairs, self.start.as_ref().is_some_and(|start| start.sensor.is_scale_free()))
     }
 
     /// The true path in the map's coordinates; missing frames divide it.

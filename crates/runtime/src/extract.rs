@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use features::{Frame, FrameBuilder};
+use geometry::Sensor;
 use io::LoadedFrame;
 
 use crate::details::Seen;
 use crate::feed::FrameInfo;
 use crate::fetch::Fetched;
 use crate::job::Job;
-use crate::setup::{Sensor, Setup};
+use crate::setup::Setup;
 use crate::timings::Stopwatch;
 
 /// A frame on its way to tracking.

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use geometry::Sensor;
 use slam::{OffsetEstimate, estimate_disparity_offset};
 
 use crate::events::{Event, Observer};
@@ -10,7 +11,7 @@ use crate::in_turn;
 use crate::job::Job;
 use crate::outcome::Parts;
 use crate::record::{RunError, RunOutcome};
-use crate::setup::{Schedule, Sensor, Setup};
+use crate::setup::{Schedule, Setup};
 use crate::threads::{self, Manner};
 
 /// Runs over all frames of `feed`, or until `stop` becomes true; what was computed until then is returned. The same

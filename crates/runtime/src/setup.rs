@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bow::Vocabulary;
 use features::{DepthConfig, ExtractorConfig, FeatureMask, FrameBuilder, Rig, StereoConfig};
+use geometry::Sensor;
 use map::Map;
 use slam::{Params, Places, World};
 
@@ -11,17 +12,6 @@ use crate::faults::Faults;
 use crate::fingerprint::Fingerprint;
 use crate::rule::Rule;
 use crate::selection::Selection;
-
-/// Which images a frame has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sensor {
-    /// Left and right image, rectified.
-    Stereo,
-    /// Grey image with a registered depth image.
-    Rgbd,
-    /// One image: the map's unit of length is free.
-    Mono,
-}
 
 /// How the stages of a run share time. `Sequential` and `Lockstep` give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

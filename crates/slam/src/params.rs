@@ -1,6 +1,7 @@
 //! What can be set in tracking, mapping and loop closing. Defaults follow ORB-SLAM2's published constants where not said otherwise.
 
 use features::Frame;
+use geometry::Sensor;
 
 use crate::noise::Noise;
 
@@ -78,8 +79,6 @@ pub struct MappingParams {
 pub struct LoopParams {
     /// Whether loops are looked for.
     pub enabled: bool,
-    /// Whether the scale can drift: monocular cameras.
-    pub with_scale: bool,
     /// Keyframes that must have come since the start and since the last loop.
     pub min_gap: usize,
     /// Shared points from which a neighbour certainly sees the same place.
@@ -141,8 +140,8 @@ pub struct Params {
     pub mapping: MappingParams,
     /// The loop closer's.
     pub loops: LoopParams,
-    /// One camera without depth: maps start from two views, and their unit of length is free.
-    pub monocular: bool,
+    /// Which images a frame has. With one camera maps start from two views, and their unit of length is free.
+    pub sensor: Sensor,
     /// Standard deviation of a feature's position at octave 0, pixels; errors are judged in units of it.
     pub feature_sigma_px: f64,
     /// Where the activation of features counts.
@@ -186,7 +185,6 @@ impl Params {
             },
             loops: LoopParams {
                 enabled: true,
-                with_scale: false,
                 min_gap: 10,
                 min_covisible_weight: 15,
                 consistency: 3,
@@ -201,7 +199,7 @@ impl Params {
                 essential_weight: 100,
                 global_iterations: 10,
             },
-            monocular: false,
+            sensor: Sensor::Stereo,
             feature_sigma_px: STEREO_SIGMA_PX,
             weights: Weights::default(),
             seed: 0,
@@ -216,6 +214,7 @@ impl Params {
     /// For RGB-D: wider windows, since hand-held cameras turn faster.
     pub fn rgbd(close_depth_m: f64, frame_rate_hz: f64) -> Self {
         let mut params = Params::stereo(close_depth_m, frame_rate_hz);
+        params.sensor = Sensor::Rgbd;
         params.tracking.motion_radius_px = 15.0;
         params.tracking.local_radius_factor = 3.0;
         params.feature_sigma_px = RGBD_SIGMA_PX;
@@ -227,12 +226,11 @@ impl Params {
     /// For one camera without depth.
     pub fn mono(frame_rate_hz: f64) -> Self {
         let mut params = Params::stereo(f64::INFINITY, frame_rate_hz);
-        params.monocular = true;
+        params.sensor = Sensor::Mono;
         params.tracking.motion_radius_px = 15.0;
         params.tracking.keyframe_ratio = 0.9;
         params.mapping.neighbours = 20;
         params.feature_sigma_px = MONO_SIGMA_PX;
-        params.loops.with_scale = true;
         // The unit is the first scene's median depth, of the order of ten metres.
         params.loops.unit = 0.1;
         params.loops.drift_sigma = 0.1;

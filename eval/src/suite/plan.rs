@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use geometry::Sensor;
 use serde::{Deserialize, Serialize};
 
 use crate::drift::KITTI_LENGTHS_M;
@@ -60,9 +61,9 @@ pub struct Configuration {
     /// Overrides, `key=value`.
     #[serde(default)]
     pub set: Vec<String>,
-    /// `stereo`, `rgbd` or `mono`; by default what the sequence offers.
+    /// Which images are used; by default what the sequence offers.
     #[serde(default)]
-    pub sensor: Option<String>,
+    pub sensor: Option<Sensor>,
 }
 
 /// Names one run: sequence, configuration, repeat (from 1).
@@ -138,10 +139,6 @@ impl Plan {
             );
         }
         for configuration in &self.configurations {
-            if let Some(sensor) = &configuration.sensor {
-                let known = ["stereo", "rgbd", "mono"].contains(&sensor.as_str());
-                ensure!(known, "sensor: found '{sensor}', expected stereo, rgbd or mono");
-            }
             if let Some(bad) = configuration.set.iter().find(|s| !s.contains('=')) {
                 bail!("set: found '{bad}', expected key=value");
             }

@@ -200,8 +200,8 @@ fn arguments(plan: &Plan, id: &RunId, folder: &Path) -> Vec<String> {
         if let Some(config) = &configuration.config {
             list.extend(["--config".to_owned(), text(config)]);
         }
-        if let Some(sensor) = &configuration.sensor {
-            list.extend(["--sensor".to_owned(), sensor.clone()]);
+        if let Some(sensor) = configuration.sensor {
+            list.extend(["--sensor".to_owned(), sensor.to_string()]);
         }
         for set in &configuration.set {
             list.extend(["--set".to_owned(), set.clone()]);

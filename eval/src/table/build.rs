@@ -63,7 +63,7 @@ pub fn baselines_for<'a>(results: &Results, baselines: &'a [Baseline], metric: M
     let plan = &results.plan;
     let fits_sensor = |b: &Baseline| {
         b.sensor == "any"
-            || plan.configurations.iter().any(|c| c.sensor.as_ref().is_none_or(|sensor| *sensor == b.sensor))
+            || plan.configurations.iter().any(|c| c.sensor.is_none_or(|sensor| sensor.word() == b.sensor))
     };
     let fits = |b: &&Baseline| {
         plan.dataset.as_deref() == Some(&b.dataset)

@@ -29,7 +29,7 @@ fn start() -> Start {
     Start {
         program_version: "0".to_owned(),
         sequence: "revisit".to_owned(),
-        sensor: "stereo".to_owned(),
+        sensor: geometry::Sensor::Stereo,
         camera: Camera { focal: [300.0; 2], center: [300.0, 90.0], size: [600, 180] },
         n_frames: revisit().len() as u32,
         truth: Vec::new(),

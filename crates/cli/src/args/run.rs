@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use io::Sensor;
 
 use super::{NetworkArgs, SettingsArgs, ShowArgs};
 
@@ -20,8 +22,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) calib: Option<PathBuf>,
     /// How to use the images; by default what the folder holds.
-    #[arg(long, value_enum)]
-    pub(crate) sensor: Option<SensorArg>,
+    #[arg(long, value_parser = sensor_parser())]
+    pub(crate) sensor: Option<Sensor>,
     /// Writes the results into this folder instead of results/SEQUENCE/TIME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
@@ -81,23 +83,14 @@ pub(crate) enum ScheduleArg {
     Live,
 }
 
-/// How the images of a sequence are used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SensorArg {
-    /// Two rectified cameras.
-    Stereo,
-    /// A camera and registered depth images.
-    Rgbd,
-    /// One camera: the scale of trajectory and map is free.
-    Mono,
-}
-
-impl From<SensorArg> for io::Sensor {
-    fn from(sensor: SensorArg) -> Self {
-        match sensor {
-            SensorArg::Stereo => io::Sensor::Stereo,
-            SensorArg::Rgbd => io::Sensor::Rgbd,
-            SensorArg::Mono => io::Sensor::Mono,
-        }
-    }
+/// Reads a sensor's word; the help names all of them.
+fn sensor_parser() -> impl TypedValueParser<Value = Sensor> {
+    let possible = |sensor: Sensor| {
+        PossibleValue::new(sensor.word()).help(match sensor {
+            Sensor::Stereo => "Two rectified cameras",
+            Sensor::Rgbd => "A camera and registered depth images",
+            Sensor::Mono => "One camera: the scale of trajectory and map is free",
+        })
+    };
+    PossibleValuesParser::new(Sensor::ALL.map(possible)).try_map(|word| word.parse::<Sensor>())
 }

@@ -81,7 +81,7 @@ fn start(folder: &Path, summary: &Value, rows: &[Row]) -> Result<Start> {
     Ok(Start {
         program_version: text("version"),
         sequence: text("sequence"),
-        sensor: text("sensor"),
+        sensor: text("sensor").parse().context("sensor in the summary")?,
         camera: Camera {
             focal: [value(config.fx), value(config.fy)],
             center,

@@ -18,7 +18,7 @@ pub(super) fn of_job(job: &Job<'_>) -> Start {
     Start {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         sequence: job.context.sequence.clone(),
-        sensor: job.context.sensor.to_string(),
+        sensor: job.context.sensor,
         camera: Camera {
             focal: [camera.fx, camera.fy],
             center: [camera.cx, camera.cy],

@@ -1,6 +1,6 @@
 //! The scene: frames follow their keyframes, blocks tell what to draw, the truth is laid onto the map.
 
-use geometry::{SE3, Vec3};
+use geometry::{SE3, Sensor, Vec3};
 use map::{KeyframeId, Map};
 
 use super::world::{bent_path, camera_at, row, start, tracked};
@@ -16,7 +16,7 @@ fn x_of(scene: &Scene, frame: u32) -> f64 {
 /// A scene of a row of keyframes and what tells it of changes.
 fn scene_of(map: &Map) -> (Scene, DeltaTracker) {
     let (mut scene, mut tracker) = (Scene::default(), DeltaTracker::new(DeltaOptions::default()));
-    scene.apply(&start(100, "stereo"));
+    scene.apply(&start(100, Sensor::Stereo));
     scene.apply(&Record::Map(tracker.advance(map, 0)));
     (scene, tracker)
 }
@@ -137,7 +137,7 @@ fn placed(index: u32, position: Vec3) -> Record {
 
 #[test]
 fn the_truth_is_laid_onto_the_path_and_errors_are_metres() {
-    for (sensor, unit) in [("stereo", 1.0), ("mono", 4.0)] {
+    for (sensor, unit) in [(Sensor::Stereo, 1.0), (Sensor::Mono, 4.0)] {
         let mut scene = Scene::default();
         scene.apply(&start(10, sensor));
         for index in 0..10 {

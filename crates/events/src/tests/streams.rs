@@ -1,5 +1,6 @@
 //! The format: what is written is read, cut streams end, damage and other versions are named.
 
+use geometry::Sensor;
 use proptest::prelude::*;
 
 use super::world::{row, start, tracked};
@@ -13,7 +14,7 @@ fn records() -> Vec<Record> {
     let delta = DeltaTracker::new(DeltaOptions::default()).advance(&row(6), 25);
     let pose = Pose { rotation_xyzw: [0.0, 0.0, 0.0, 1.0], translation: [1.0, 2.0, 3.0] };
     vec![
-        start(9, "stereo"),
+        start(9, Sensor::Stereo),
         tracked(3, 0.5, Some(0), 0.0),
         Record::Features(Features {
             frame: 3,

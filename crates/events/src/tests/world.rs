@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use features::{Descriptor, Features, Frame, Keypoint, Rig, ScaleLevels};
-use geometry::{Distortion, Pinhole, SE3, SO3, StereoRig, Vec3};
+use geometry::{Distortion, Pinhole, SE3, SO3, Sensor, StereoRig, Vec3};
 use map::{Batch, KeyframeId, Map, NewKeyframe, NewPoint, Observation, Parent, PointId};
 
 use crate::{Camera, Counts, FramePose, FrameRecord, FrameState, Pose, Record, Start, TruePosition};
@@ -59,7 +59,7 @@ pub(super) fn bent_path(frame: u32) -> Vec3 {
 }
 
 /// A start whose true positions are those of [`bent_path`], elsewhere and turned by 90 degrees about z.
-pub(super) fn start(n: u32, sensor: &str) -> Record {
+pub(super) fn start(n: u32, sensor: Sensor) -> Record {
     let truth = |frame: u32| {
         let at = bent_path(frame);
         TruePosition { frame, position: [7.0 - at.y, at.x, 3.0 + at.z] }
@@ -67,7 +67,7 @@ pub(super) fn start(n: u32, sensor: &str) -> Record {
     Record::Start(Start {
         program_version: "0".to_owned(),
         sequence: "row".to_owned(),
-        sensor: sensor.to_owned(),
+        sensor,
         camera: Camera { focal: [500.0; 2], center: [320.0, 240.0], size: [640, 480] },
         n_frames: n,
         truth: (0..n).map(truth).collect(),

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use geometry::{Distortion, Pinhole, StereoRig};
+use geometry::{Distortion, Pinhole, Sensor, StereoRig};
 
 use super::Config;
 use super::problem::Provenance;
-use crate::dataset::{Calibration, Sensor};
+use crate::dataset::Calibration;
 
 /// Why no camera is known.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

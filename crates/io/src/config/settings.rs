@@ -3,9 +3,8 @@
 
 use std::path::PathBuf;
 
+use geometry::Sensor;
 use serde::{Deserialize, Serialize};
-
-use crate::dataset::Sensor;
 
 /// Section `camera`: used where the dataset has no calibration file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,5 +1,7 @@
 //! All keys of the configuration. A new key is a line here and a field in `settings.rs`; nothing else.
 
+use geometry::Sensor;
+
 use super::schema::{
     ANY, Entry, above, between, choice, flag, integer, optional_choice, optional_file, optional_integer,
     optional_real, real,
@@ -23,7 +25,7 @@ pub const SCHEMA: &[Entry] = &[
     real("camera.fps", 10.0, "Hz", above(0.0), "frame rate; the longest gap between keyframes is one second of frames"),
     real("camera.depth_units_per_metre", 5000.0, "1/m", above(0.0), "value of a depth image at one metre"),
 
-    optional_choice("input.sensor", &["stereo", "rgbd", "mono"], "what to use; absent: the richest that the dataset offers"),
+    optional_choice("input.sensor", Sensor::WORDS, "what to use; absent: the richest that the dataset offers"),
     real("input.scale", 1.0, "", between(0.1, 1.0), "images are reduced by this factor before anything else; the camera is scaled with them"),
     optional_file("input.mask", "grey PNG of the size of the left raw image: no features where it is 0"),
     real("input.association_tolerance_s", 0.02, "s", above(0.0), "largest time between a colour image and its depth image"),

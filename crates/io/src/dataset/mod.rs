@@ -14,11 +14,9 @@ mod raw;
 mod tum;
 mod video;
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
-use geometry::{Distortion, SE3, StereoRig};
-use serde::{Deserialize, Serialize};
+use geometry::{Distortion, SE3, Sensor, StereoRig};
 
 use crate::images::{ImageError, ImageSize, half_size, image_size};
 use crate::trajectory::Trajectory;
@@ -26,18 +24,6 @@ use crate::trajectory::Trajectory;
 pub use error::DatasetError;
 pub use raw::{RawCalibration, RawCamera, RectifiedView};
 pub use video::{Video, open_video};
-
-/// What the camera delivers per frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Sensor {
-    /// Two rectified images.
-    Stereo,
-    /// An image and its depth.
-    Rgbd,
-    /// One image.
-    Mono,
-}
 
 /// The layout of a dataset's folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,16 +126,6 @@ pub struct OpenOptions {
 impl Default for OpenOptions {
     fn default() -> Self {
         Self { sensor: None, association_tolerance_s: 0.02, calibration: None, frame_rate_hz: 10.0 }
-    }
-}
-
-impl fmt::Display for Sensor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Stereo => "stereo",
-            Self::Rgbd => "rgbd",
-            Self::Mono => "mono",
-        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! The description of a map: what a person or a tool wants to know before using it.
 
+use geometry::Sensor;
 use serde::{Deserialize, Serialize};
 
 /// Where a map comes from.
@@ -9,8 +10,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MapFileInfo {
-    /// Kind of camera as the configuration names it (`stereo`, `rgbd`, `mono`).
-    pub sensor: String,
+    /// Which images its frames had; absent in a file that does not say.
+    #[serde(with = "empty_if_absent")]
+    pub sensor: Option<Sensor>,
     /// Version of the program that made the map.
     pub program_version: String,
     /// Name of the sequence that was mapped.
@@ -22,4 +24,19 @@ pub struct MapFileInfo {
     /// Pose of the left camera in the body that carries it (IMU): the upper 3x4 row by row, numbers with spaces between, metres.
     /// Empty where the camera is the body, and where the map has no scale.
     pub body_from_left: String,
+}
+
+/// A word, or an empty text.
+mod empty_if_absent {
+    use geometry::Sensor;
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub(super) fn serialize<S: Serializer>(sensor: &Option<Sensor>, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(sensor.map_or("", Sensor::word))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Sensor>, D::Error> {
+        let word = String::deserialize(from)?;
+        if word.is_empty() { Ok(None) } else { word.parse().map(Some).map_err(D::Error::custom) }
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use geometry::Sensor;
 use proptest::prelude::*;
 use rand::Rng;
 use sha2::{Digest, Sha256};
@@ -13,7 +14,7 @@ use crate::{Batch, KeyframeId, Map, MapFileError, MapFileInfo, NewKeyframe, Poin
 
 fn info() -> MapFileInfo {
     MapFileInfo {
-        sensor: "stereo".to_owned(),
+        sensor: Some(Sensor::Stereo),
         program_version: "1.2.3".to_owned(),
         sequence: "Straße \"06\"".to_owned(),
         configuration: "orb:\n  features: 2000\n".to_owned(),
@@ -222,7 +223,11 @@ fn descriptions_of_other_programs_are_read_by_name() {
         sealed(changed)
     };
     let told = read_info(&with_info(r#"{"sensor": "mono", "made_with_love": true}"#)).unwrap();
-    assert_eq!(told, MapFileInfo { sensor: "mono".to_owned(), ..MapFileInfo::default() });
+    assert_eq!(told, MapFileInfo { sensor: Some(Sensor::Mono), ..MapFileInfo::default() });
+    assert_eq!(read_info(&with_info(r#"{"sensor": ""}"#)).unwrap(), MapFileInfo::default());
+    let message = decode(&with_info(r#"{"sensor": "lidar"}"#)).unwrap_err().to_string();
+    let expected = "unreadable map file: description: found 'lidar', expected stereo, rgbd, mono";
+    assert!(message.starts_with(expected), "{message}");
     let message = decode(&with_info(r#"{"sensor": 7}"#)).unwrap_err().to_string();
     assert!(message.starts_with("unreadable map file: description: invalid type: integer `7`"), "{message}");
 }

@@ -50,7 +50,7 @@ pub(super) fn correct(
         let here_from_there = Sim3::new(rigid.rotation, rigid.translation * scale, scale);
         let graph = EssentialGraph::new(map, keyframe, params.loops.essential_weight);
         trial::test(&graph, map, keyframe, verified.matched, &rigid, params)?;
-        let keyframes = if params.loops.with_scale {
+        let keyframes = if params.sensor.is_scale_free() {
             solve_similar(&graph, map, keyframe, verified.matched, &here_from_there, params.loops.unit)
         } else {
             solve_rigid(&graph, map, keyframe, verified.matched, &rigid)

@@ -71,7 +71,7 @@ pub(super) fn verify(
         earlier_points: points_around(map, candidate, NEIGHBOURS),
     };
     guided_refinement(&mut verified, here, map, params)?;
-    if params.loops.with_scale {
+    if params.sensor.is_scale_free() {
         verified.scale = scale_between(&verified, here, map);
     }
     Ok(verified)
@@ -154,8 +154,11 @@ fn similarity(
             params.weights.of_sample(&here.frame, i) * params.weights.of_sample(&there.frame, j)
         })
         .collect();
-    let estimator =
-        SimilarityEstimator::new(a.seen_by(&here.frame), b.seen_by(&there.frame), params.loops.with_scale);
+    let estimator = SimilarityEstimator::new(
+        a.seen_by(&here.frame),
+        b.seen_by(&there.frame),
+        params.sensor.is_scale_free(),
+    );
     let options = RansacOptions {
         sample_size: SimilarityEstimator::SAMPLE_SIZE,
         max_iterations: 300,

@@ -38,7 +38,7 @@ fn is_redundant(map: &Map, id: KeyframeId, params: &Params) -> bool {
     for (feature, point) in keyframe.points().iter().enumerate() {
         let Some(point) = point.and_then(|id| map.point(id)) else { continue };
         let depth = f64::from(keyframe.frame.depth[feature]);
-        if !params.monocular && (depth.is_nan() || depth > close_depth_m) {
+        if !params.sensor.is_scale_free() && (depth.is_nan() || depth > close_depth_m) {
             continue;
         }
         n_points += 1;

@@ -18,7 +18,8 @@ impl Mapper {
     pub(super) fn cull_points(&mut self, keyframe: KeyframeId) -> usize {
         let young = std::mem::take(&mut self.young);
         let mut dropped = 0;
-        let needed = if self.params.monocular { MIN_MONOCULAR_OBSERVATIONS } else { MIN_OBSERVATIONS };
+        let needed =
+            if self.params.sensor.is_scale_free() { MIN_MONOCULAR_OBSERVATIONS } else { MIN_OBSERVATIONS };
         for id in young {
             let Some(point) = self.world.map.point(id) else { continue };
             let age = keyframe.0.saturating_sub(point.created_by.0);

@@ -72,7 +72,7 @@ impl Mapper {
     /// Depths at which two keyframes can see points; `None` when they are too near to each other to tell.
     fn depth_range(&self, a: &View<'_>, b: &View<'_>, neighbour: KeyframeId) -> Option<(f64, f64)> {
         let distance = (a.center - b.center).norm();
-        if self.params.monocular {
+        if self.params.sensor.is_scale_free() {
             let depth = median_depth(&self.world.map, neighbour)?;
             (distance >= MIN_PARALLAX * depth).then_some((MIN_RELATIVE_DEPTH * depth, f64::INFINITY))
         } else {

@@ -105,7 +105,7 @@ impl Tracker {
             frames_since_keyframe: frame.index.saturating_sub(self.last_keyframe_index),
             max_gap: self.params.tracking.max_keyframe_gap,
             mapper_idle,
-            monocular: self.params.monocular,
+            monocular: self.params.sensor.is_scale_free(),
             n_keyframes,
             reference_points,
             inliers: local.matches.len(),

@@ -254,7 +254,7 @@ impl Tracker {
     fn start(&mut self, frame: &Arc<Frame>, cam_from_world: SE3) -> Tracked {
         let (found, needed) = (frame.n_with_depth(), self.params.tracking.min_initial_depths);
         let mut pair = None;
-        if self.params.monocular {
+        if self.params.sensor.is_scale_free() {
             match Initialiser::advance(&mut self.initialiser, frame, cam_from_world, &self.params) {
                 Ok(found) => pair = Some(Arc::new(found)),
                 Err(reason) => return not_tracked(TrackState::NotReady(NotReady::NoPair(reason)), None),
@@ -285,7 +285,8 @@ impl Tracker {
     fn lose(&mut self, frame: &Arc<Frame>, map: &Map, last: Option<LastFrame>, lost: Lost) -> Tracked {
         self.velocity = None;
         let tracking = &self.params.tracking;
-        let could_start = self.params.monocular || frame.n_with_depth() >= tracking.min_initial_depths;
+        let could_start =
+            self.params.sensor.is_scale_free() || frame.n_with_depth() >= tracking.min_initial_depths;
         self.lost_frames += u32::from(could_start);
         if self.lost_frames > tracking.max_lost_frames && !tracking.localize_only {
             let started =

@@ -67,7 +67,8 @@ impl Tracker {
             None => last_cam_from_world,
         };
         // Without depth there is no measure of what a long way is.
-        let far = if self.params.monocular { f64::INFINITY } else { frame.rig.stereo.baseline_m };
+        let far =
+            if self.params.sensor.is_scale_free() { f64::INFINITY } else { frame.rig.stereo.baseline_m };
         let sources = last_points(map, last, &last_cam_from_world);
         let mut lost = Lost::TooFewMatches { found: 0, needed: tracking.min_motion_matches };
         for widening in WIDENINGS {
