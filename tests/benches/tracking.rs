@@ -70,7 +70,7 @@ fn main() {
 }
 
 /// Runs and prints the tracking step in units of U, which is measured before and after.
-fn measure(name: &str, image: &GrayImage, feed: &SequenceFeed<'_>, setup: &Setup) {
+fn measure(name: &str, image: &GrayImage, feed: &SequenceFeed, setup: &Setup) {
     let mut units = unit(image);
     let outcome = runtime::run(feed, setup, &mut Silent, &AtomicBool::new(false)).unwrap();
     units.extend(unit(image));

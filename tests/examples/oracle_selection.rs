@@ -66,7 +66,7 @@ fn setup(sequence: &Sequence, keep: usize) -> Result<Setup, Failure> {
     })
 }
 
-fn run(feed: &SequenceFeed<'_>, setup: &Setup) -> Result<RunOutcome, Failure> {
+fn run(feed: &SequenceFeed, setup: &Setup) -> Result<RunOutcome, Failure> {
     Ok(runtime::run(feed, setup, &mut Silent, &AtomicBool::new(false))?)
 }
 

@@ -11,6 +11,7 @@ use crate::args::ActivationArgs;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::selected::Selected;
+use crate::stage;
 
 /// Colours of kept and dropped features.
 const KEPT: [u8; 3] = [40, 230, 60];
@@ -23,13 +24,14 @@ const GAP: usize = 6;
 /// # Errors
 /// An image, a configuration or a network that cannot be used; a picture that cannot be written.
 pub(crate) fn run(args: &ActivationArgs) -> Result<Exit, Failure> {
-    let image = io::load_gray(&args.image).or_input()?;
     let mut config = args.settings.load().or_input()?;
     config.features.keep = args.keep as usize;
     if config.features.selection == FeatureSelection::Response {
         config.features.selection = FeatureSelection::Activation;
     }
-    let selected = Selected::of(&image, &config.features, &args.network).or_input()?;
+    let mut picture = stage::picture(&args.image, None, &config).or_input()?;
+    let selected = Selected::of(&mut picture, &args.network).or_input()?;
+    let image = picture.image;
     let picture = beside(&[
         grey(&image),
         heat_map(&image, &selected.map),

@@ -3,12 +3,11 @@
 use std::borrow::Cow;
 
 use anyhow::Result;
+use dsslam::trajectories::{body_records, of_left_camera, own_pose, tracked_poses};
 use eval::{Alignment, Association, AteReport, Coverage, Drift, KITTI_LENGTHS_M, TIMESTAMP_TOLERANCE_S};
 use geometry::{SE3, Vec3};
 use io::{Sensor, StampedPose, Trajectory};
 use runtime::FrameRecord;
-
-use crate::trajectories::{body_records, of_left_camera, own_pose, tracked_poses};
 
 /// How far a run is from the truth.
 #[derive(Clone, Debug)]
@@ -117,7 +116,7 @@ fn end_error(est: &[SE3], gt: &[SE3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trajectories::tests::record;
+    use crate::tables::tests::record;
     use geometry::SO3;
 
     fn truth(n: u32) -> Trajectory {

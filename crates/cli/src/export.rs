@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use ::export::{ColmapFiles, PlyFrame, Scene, SceneImages, Tint};
 use anyhow::{Context, anyhow, ensure};
 use clap::{Args, ValueEnum};
+use dsslam::trajectories::{body_of_text, of_body};
 use geometry::SE3;
 use io::{OpenOptions, Sensor};
 use map::MapFileInfo;
@@ -12,7 +13,6 @@ use map::MapFileInfo;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::files::folder_of;
-use crate::trajectories::{body_of_text, of_body};
 
 /// Arguments of `dsslam export`.
 #[derive(Debug, Args)]

@@ -4,45 +4,32 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
+use dsslam::Session;
+use dsslam::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
 use eval::plot::{TrajectoryFigure, View, save_png};
-use geometry::SE3;
-use io::Trajectory;
-use map::MapFileInfo;
-use runtime::{FrameFeed, FrameRecord, Journal, RunOutcome, Schedule, Setup};
-use sha2::{Digest, Sha256};
+use io::Sequence;
+use runtime::{FrameRecord, Journal, RunOutcome, Schedule};
 
 use crate::args::ShowArgs;
 use crate::clock::StopWatch;
 use crate::console;
 use crate::evaluation::{Compared, Evaluation};
 use crate::exit::{Exit, Failure, OrExit};
-use crate::places::{self, Extras};
 use crate::report;
 use crate::results::ResultsFolder;
 use crate::show::{Audience, true_poses};
 use crate::summary::{self, Checksums, Summary};
 use crate::tables::{frames_csv, loops_csv, timings_csv};
-use crate::trajectories::{body_records, body_text, own_pose, pose_per_frame, tracked_poses};
 
 /// True poses of the left camera at the frames, in the frame of the ground truth.
 pub(crate) const TRUTH_FILE: &str = "ground_truth.tum.txt";
 
 /// Everything that a run needs.
-pub(crate) struct Job<'a> {
-    /// Where the frames come from.
-    pub(crate) feed: &'a dyn FrameFeed,
-    /// Camera and parameters.
-    pub(crate) setup: Setup,
+pub(crate) struct Job {
+    /// The frames, the camera and the parameters.
+    pub(crate) session: Session,
     /// The run to do again, instead of one by the setup's schedule.
     pub(crate) replay: Option<Journal>,
-    /// The complete configuration in force, as YAML.
-    pub(crate) config_yaml: String,
-    /// What the errors are measured against: poses of the body.
-    pub(crate) ground_truth: Option<&'a Trajectory>,
-    /// Pose of the left camera in the body; the identity where the camera is the body.
-    pub(crate) body_from_left: SE3,
-    /// What goes into the summary beside the outcome.
-    pub(crate) context: summary::Context,
     /// Where the files go.
     pub(crate) folder: ResultsFolder,
     /// Where else to.
@@ -57,9 +44,37 @@ pub(crate) struct Job<'a> {
     pub(crate) watch: StopWatch,
 }
 
+/// What a run writes beside its results folder.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Extras {
+    /// The map at its end.
+    pub(crate) save_map: Option<PathBuf>,
+    /// Its journal.
+    pub(crate) journal: Option<PathBuf>,
+}
+
+impl Job {
+    /// What is run on.
+    pub(crate) fn sequence(&self) -> &Sequence {
+        self.session.input().sequence()
+    }
+
+    /// What goes into the summary beside the outcome.
+    fn context(&self) -> summary::Context {
+        let (sequence, setup) = (self.sequence(), self.session.setup());
+        summary::Context {
+            sequence: sequence.name.clone(),
+            sensor: sequence.sensor,
+            seed: setup.slam.seed,
+            schedule: schedule_name(setup.schedule, self.replay.is_some()),
+            notices: self.session.notices().to_vec(),
+        }
+    }
+}
+
 /// How tracking and mapping are interleaved, in one word.
-pub(crate) fn schedule_name(setup: &Setup, is_replay: bool) -> &'static str {
-    match setup.schedule {
+fn schedule_name(schedule: Schedule, is_replay: bool) -> &'static str {
+    match schedule {
         _ if is_replay => "replay",
         Schedule::Sequential => "sequential",
         Schedule::Lockstep => "lockstep",
@@ -71,23 +86,26 @@ pub(crate) fn schedule_name(setup: &Setup, is_replay: bool) -> &'static str {
 ///
 /// # Errors
 /// A run that cannot begin is a fault of the input, a file that cannot be written one of the output.
-pub(crate) fn execute(mut job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, Exit), Failure> {
-    let mut audience = Audience::gather(&job)?;
+pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), Failure> {
+    let (session, sequence, mut context) = (&job.session, job.sequence(), job.context());
+    for notice in &context.notices {
+        console::note(console::warning(notice));
+    }
+    let mut audience = Audience::gather(job)?;
     let outcome = match &job.replay {
-        None => runtime::run(job.feed, &job.setup, &mut audience, stop).or_input()?,
-        Some(journal) => runtime::replay(job.feed, &job.setup, journal, &mut audience, stop).or_input()?,
+        None => session.run_until(&mut audience, stop).or_input()?,
+        Some(journal) => session.replay(journal, &mut audience, stop).or_input()?,
     };
     audience.progress.finish();
-    for remark in job.feed.remarks() {
+    for remark in session.input().feed().remarks() {
         console::note(console::warning(&remark));
-        job.context.notices.push(remark);
+        context.notices.push(remark);
     }
-    let sensor = job.context.sensor;
-    let compared =
-        job.ground_truth.map(|truth| Compared::new(&outcome.frames, truth, sensor, &job.body_from_left));
+    let (sensor, truth) = (sequence.sensor, sequence.ground_truth.as_ref());
+    let compared = truth.map(|truth| Compared::new(&outcome.frames, truth, sensor, &sequence.body_from_left));
     let evaluation = compared.as_ref().map(|compared| compared.evaluate(sensor));
     let truth = compared.as_ref().zip(evaluation.as_ref());
-    let written = write_results(&job, &outcome, truth).or_output();
+    let written = write_results(job, context, &outcome, truth).or_output();
     audience.leave(&outcome, written.as_ref().ok(), job.folder.path());
     let summary = written?;
     if job.json {
@@ -113,38 +131,39 @@ pub(crate) fn execute(mut job: Job<'_>, stop: &AtomicBool) -> Result<(Summary, E
 
 /// Writes all files. The trajectories come first: they are what a full disk should hit last.
 fn write_results(
-    job: &Job<'_>,
+    job: &Job,
+    context: summary::Context,
     outcome: &RunOutcome,
     truth: Option<(&Compared<'_>, &Result<Evaluation>)>,
 ) -> Result<Summary> {
-    let folder = &job.folder;
+    let (folder, sequence) = (&job.folder, job.sequence());
     let kitti = folder.file("trajectory.kitti.txt");
     io::write_kitti(&kitti, &pose_per_frame(&outcome.frames))?;
     io::write_tum(&folder.file("trajectory.tum.txt"), &tracked_poses(&outcome.frames))?;
-    if let Some(body) = body_records(&outcome.frames, job.context.sensor, &job.body_from_left) {
+    if let Some(body) = body_records(&outcome.frames, sequence.sensor, &sequence.body_from_left) {
         io::write_tum(&folder.file("trajectory_body.tum.txt"), &tracked_poses(&body))?;
     }
     write_truth(job)?;
     let map_sha256 = write_extras(job, outcome)?;
     folder.write("frames.csv", frames_csv(&outcome.frames).as_bytes())?;
     folder.write("loops.csv", loops_csv(&outcome.loops).as_bytes())?;
-    folder.write("config.yaml", job.config_yaml.as_bytes())?;
+    folder.write("config.yaml", job.session.input().config().to_yaml().as_bytes())?;
     folder.write("timings.csv", timings_csv(&outcome.timings).as_bytes())?;
-    let figure = figure(&job.context.sequence, &outcome.frames, truth);
+    let figure = figure(&sequence.name, &outcome.frames, truth);
     if figure.estimate.iter().any(Option::is_some) {
         folder.write_with("trajectory.png", |path| save_png(path, &figure))?;
     }
     let bytes = std::fs::read(&kitti).with_context(|| format!("{}: cannot be read back", kitti.display()))?;
-    let checksums = Checksums { trajectory: sha256(&bytes), map: map_sha256 };
+    let checksums = Checksums { trajectory: dsslam::sha256(&bytes), map: map_sha256 };
     let evaluation = truth.map(|(_, evaluation)| evaluation);
-    let summary = Summary::new(job.context.clone(), outcome, evaluation, checksums, job.watch.seconds());
+    let summary = Summary::new(context, outcome, evaluation, checksums, job.watch.seconds());
     folder.write("summary.json", (json(&summary)? + "\n").as_bytes())?;
     folder.link_latest()?;
     Ok(summary)
 }
 
 /// Writes the true poses of the left camera, if there are any; that of an older run in the folder does not stay.
-fn write_truth(job: &Job<'_>) -> Result<()> {
+fn write_truth(job: &Job) -> Result<()> {
     let (file, truth) = (job.folder.file(TRUTH_FILE), true_poses(job));
     if truth.poses.is_empty() {
         // There may be none.
@@ -159,25 +178,12 @@ fn json(summary: &Summary) -> Result<String> {
 }
 
 /// Writes map and journal where that is wanted; returns the checksum of the map's file.
-fn write_extras(job: &Job<'_>, outcome: &RunOutcome) -> Result<Option<String>> {
+fn write_extras(job: &Job, outcome: &RunOutcome) -> Result<Option<String>> {
     if let Some(file) = &job.extras.journal {
         io::write_atomic(file, &outcome.journal.to_json())?;
     }
     let Some(file) = &job.extras.save_map else { return Ok(None) };
-    let vocabulary = job.setup.vocabulary.as_ref();
-    let info = MapFileInfo {
-        sensor: Some(job.context.sensor),
-        program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        sequence: job.context.sequence.clone(),
-        configuration: job.config_yaml.clone(),
-        vocabulary_sha256: vocabulary.map_or(String::new(), |vocabulary| sha256(vocabulary.as_bytes())),
-        body_from_left: body_text(job.context.sensor, &job.body_from_left),
-    };
-    Ok(Some(sha256(&places::save_map(file, &outcome.map, &info)?)))
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    Ok(Some(job.session.save_map(file, &outcome.map)?))
 }
 
 /// The estimate, aligned where that is possible, over the true path; frames without a pose are gaps.

@@ -2,13 +2,11 @@
 
 use anyhow::{Result, anyhow};
 use dsfeat::Network;
-use features::{ActivationMap, ActivationSource, Extractor, Features, Keypoint, SelectionConfig};
+use features::{ActivationMap, ActivationSource, Features, Keypoint, SelectionConfig};
 use geometry::GrayImage;
-use io::FeatureSettings;
 
 use crate::args::NetworkArgs;
-use crate::network;
-use crate::setup;
+use crate::stage::Picture;
 
 /// The candidates of an image, chosen among by an activation network.
 pub(crate) struct Selected {
@@ -29,10 +27,10 @@ impl Selected {
     ///
     /// # Errors
     /// A network that cannot be used.
-    pub(crate) fn of(image: &GrayImage, settings: &FeatureSettings, args: &NetworkArgs) -> Result<Self> {
-        let (mut network, rule) = network::open(settings, args)?;
+    pub(crate) fn of(picture: &mut Picture, args: &NetworkArgs) -> Result<Self> {
+        let Picture { image, extractor, settings, .. } = picture;
+        let (mut network, rule) = dsslam::open_network(settings, &args.options())?;
         let map = network.activation(image).map_err(|reason| anyhow!(reason))?;
-        let mut extractor = Extractor::new(setup::extractor(settings));
         let candidates = extractor.extract(image).keypoints;
         let chosen = extractor.extract_selected(image, &rule, &mut Known(map.clone()));
         let (kept, _) = chosen.map_err(|reason| anyhow!(reason))?;

@@ -240,7 +240,7 @@ fn frames_without_pose(records: &[FrameRecord]) -> Vec<WithoutPose> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trajectories::tests::record;
+    use crate::tables::tests::record;
 
     #[test]
     fn frames_without_a_pose_are_named_with_their_reason() {

@@ -79,11 +79,21 @@ fn quoted(text: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::trajectories::tests::record;
+    use geometry::{SE3, SO3, Vec3};
     use map::KeyframeId;
     use runtime::FrameTimings;
+
+    /// A frame at x = `x` metres, or a dropped one.
+    pub(crate) fn record(index: u32, x: Option<f64>) -> FrameRecord {
+        let world_from_cam = x.map(|x| SE3::new(SO3::identity(), Vec3::new(x, 0.0, 0.0)));
+        let status = match x {
+            Some(_) => FrameStatus::Tracked { inliers: 100 },
+            None => FrameStatus::Dropped("no image".to_owned()),
+        };
+        FrameRecord { index, timestamp_s: f64::from(index) * 0.1, status, world_from_cam, submap: None }
+    }
 
     #[test]
     fn each_frame_says_its_sub_map_or_why_it_has_none() {

@@ -1,6 +1,6 @@
 //! Where frames come from: a dataset on disk, a renderer, a test.
 
-use io::{LoadedFrame, Sequence, load_frame};
+use io::{FrameSource, LoadedFrame, Sequence, load_frame};
 
 use crate::prepare::Preparation;
 
@@ -41,37 +41,36 @@ pub trait FrameFeed: Sync {
 
 /// The first frames of a dataset, prepared for feature extraction.
 #[derive(Clone, Debug)]
-pub struct SequenceFeed<'a> {
-    sequence: &'a Sequence,
+pub struct SequenceFeed {
+    frames: Vec<FrameSource>,
     preparation: Preparation,
-    len: usize,
 }
 
-impl<'a> SequenceFeed<'a> {
+impl SequenceFeed {
     /// All frames of a sequence, or the first `max_frames`, at full size. Computes the tables of the rectification.
-    pub fn new(sequence: &'a Sequence, max_frames: Option<usize>) -> Self {
+    pub fn new(sequence: &Sequence, max_frames: Option<usize>) -> Self {
         Self::prepared(sequence, Preparation::new(sequence, 1.0), max_frames)
     }
 
     /// All frames of a sequence, or the first `max_frames`, prepared in this way.
-    pub fn prepared(sequence: &'a Sequence, preparation: Preparation, max_frames: Option<usize>) -> Self {
-        let len = sequence.frames.len();
-        SequenceFeed { sequence, preparation, len: max_frames.map_or(len, |max| max.min(len)) }
+    pub fn prepared(sequence: &Sequence, preparation: Preparation, max_frames: Option<usize>) -> Self {
+        let n = max_frames.unwrap_or(usize::MAX);
+        SequenceFeed { frames: sequence.frames.iter().take(n).cloned().collect(), preparation }
     }
 }
 
-impl FrameFeed for SequenceFeed<'_> {
+impl FrameFeed for SequenceFeed {
     fn len(&self) -> usize {
-        self.len
+        self.frames.len()
     }
 
     fn info(&self, i: usize) -> FrameInfo {
-        let frame = &self.sequence.frames[i];
+        let frame = &self.frames[i];
         FrameInfo { index: frame.index, timestamp_s: frame.timestamp_s }
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, String> {
-        let files = &self.sequence.frames[i];
+        let files = &self.frames[i];
         let frame = load_frame(files).map_err(|error| error.to_string())?;
         self.preparation.apply(frame, &files.left)
     }

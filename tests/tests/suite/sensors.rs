@@ -114,6 +114,22 @@ fn a_mask_keeps_features_out_and_must_have_the_size_of_the_images() {
     assert_eq!(call.code, 1, "{call}");
 }
 
+#[test]
+fn the_demo_heeds_scale_mask_and_sensor_as_a_run_does() {
+    let out = tempfile::tempdir().unwrap();
+    let demo = |set: &str| dsslam(&["demo", "--frames", "8", "--out", text(out.path()), "--set", set]);
+    for (set, sensor) in [("input.scale=0.5", "stereo"), ("input.sensor=mono", "mono")] {
+        demo(set).expect_success();
+        let s = summary(out.path());
+        assert_eq!((&s["sensor"], &s["dropped"]), (&sensor.into(), &0.into()), "{s:#}");
+        assert!(s["tracked"].as_u64().unwrap() > 5, "{s:#}");
+    }
+    let set = "input.mask=none.png";
+    demo(set).expect(2, &format!("error: input.mask (--set {set}): none.png: no such image"));
+    let reason = "rendered frames have a left and a right image, and no depth";
+    demo("input.sensor=rgbd").expect(2, &format!("error: town: sensor rgbd is not possible here: {reason}"));
+}
+
 /// The rendered drive as a TUM folder with depth images.
 fn depth_folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use dsslam::NetworkOptions;
 
 use super::SettingsArgs;
 
@@ -19,9 +20,11 @@ pub(crate) struct NetworkArgs {
 }
 
 impl NetworkArgs {
-    /// The same, with the network that is part of the program.
-    pub(crate) fn without_model(&self) -> Self {
-        NetworkArgs { dsfeat_model: None, ..self.clone() }
+    /// The same for the library.
+    pub(crate) fn options(&self) -> NetworkOptions {
+        let mut options = NetworkOptions::default();
+        (options.model, options.library) = (self.dsfeat_model.clone(), self.onnxruntime.clone());
+        options
     }
 }
 

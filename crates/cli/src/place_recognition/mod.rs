@@ -17,7 +17,6 @@ use io::open_sequence;
 use crate::args::{PlaceSelection, PlacesArgs};
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::places;
 use selections::Describer;
 use sight::{Memory, Sight};
 use verify::{Evidence, evidence};
@@ -62,7 +61,7 @@ pub(crate) fn run(args: &PlacesArgs) -> Result<Exit, Failure> {
     let selections: Vec<PlaceSelection> =
         if args.selection.is_empty() { PlaceSelection::ALL.to_vec() } else { args.selection.clone() };
     let truth = truth::of(&sequence, args).or_input()?;
-    let vocabulary = places::vocabulary(args.vocab.as_deref()).or_input()?;
+    let vocabulary = dsslam::vocabulary(args.vocab.as_deref()).or_input()?;
     let mut describer = Describer::new(args, &config, &selections, vocabulary).or_input()?;
     io::create_output_folder(&args.out).or_output()?;
     let images: Vec<&Path> =

@@ -14,9 +14,7 @@ use io::{Config, FeatureSelection, FeatureSettings};
 
 use super::sight::{Look, Sight};
 use crate::args::{PlaceSelection, PlacesArgs};
-use crate::network;
 use crate::selected::Known;
-use crate::setup;
 
 /// Turns an image into what each selection keeps of it.
 pub(super) struct Describer {
@@ -54,9 +52,9 @@ impl Describer {
                 PlaceSelection::Ours => Model::Hybrid,
             };
             // A model of one's own takes the place of the hybrid one.
-            let own =
-                if model == Model::Hybrid { args.network.clone() } else { args.network.without_model() };
-            network::load(model, &own, settings.network_threads).map(Some)
+            let mut own = args.network.options();
+            own.model = own.model.filter(|_| model == Model::Hybrid);
+            Ok(Some(dsslam::load_network(model, &own, settings.network_threads)?))
         };
         let networks = selections.iter().map(open).collect::<Result<_>>()?;
         let dense = match &args.features_model {
@@ -79,7 +77,7 @@ impl Describer {
         };
         let candidates =
             FeatureSettings { selection: FeatureSelection::Activation, keep: 1, ..settings.clone() };
-        let extraction: ExtractorConfig = setup::extractor(&candidates);
+        let extraction: ExtractorConfig = dsslam::extractor(&candidates);
         let extractor = Extractor::new(extraction);
         let selections = selections.iter().map(rule).collect();
         let words = Words { vocabulary, weighted: config.weights.words };

@@ -29,7 +29,7 @@ impl Audience {
     ///
     /// # Errors
     /// A file that cannot be made, a viewer that cannot be started.
-    pub(crate) fn gather(job: &Job<'_>) -> Result<Self, Failure> {
+    pub(crate) fn gather(job: &Job) -> Result<Self, Failure> {
         let (show, path) = (&job.show, job.folder.file(FILE_NAME));
         let options = StreamOptions { image_every: show.rerun_every, ..StreamOptions::default() };
         let mut audience = Audience { progress: Progress::new(), file: None, viewer: None };

@@ -2,29 +2,30 @@
 
 use std::borrow::Cow;
 
+use dsslam::trajectories::of_left_camera;
 use eval::TIMESTAMP_TOLERANCE_S;
 use events::{Camera, Start, TruePosition};
 use geometry::SE3;
 use io::{StampedPose, Trajectory};
 
 use crate::job::Job;
-use crate::trajectories::of_left_camera;
 
 /// The start of a job's stream.
-pub(super) fn of_job(job: &Job<'_>) -> Start {
+pub(super) fn of_job(job: &Job) -> Start {
     let truth = truth(job);
-    let (rig, camera) = (&job.setup.rig, &job.setup.rig.stereo.camera);
+    let rig = &job.session.setup().rig;
+    let (sequence, camera) = (job.sequence(), &rig.stereo.camera);
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     Start {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        sequence: job.context.sequence.clone(),
-        sensor: job.context.sensor,
+        sequence: sequence.name.clone(),
+        sensor: sequence.sensor,
         camera: Camera {
             focal: [camera.fx, camera.fy],
             center: [camera.cx, camera.cy],
             size: [size(rig.width), size(rig.height)],
         },
-        n_frames: size(job.feed.len()),
+        n_frames: size(job.session.input().feed().len()),
         truth: truth.iter().map(|(frame, pose)| position(*frame, pose)).collect(),
     }
 }
@@ -35,16 +36,17 @@ pub(super) fn position(frame: u32, pose: &StampedPose) -> TruePosition {
 }
 
 /// True poses of the left camera at a job's frames, with the frames' times.
-pub(crate) fn true_poses(job: &Job<'_>) -> Trajectory {
+pub(crate) fn true_poses(job: &Job) -> Trajectory {
     Trajectory { poses: truth(job).into_iter().map(|(_, pose)| pose).collect() }
 }
 
 /// True poses of the left camera at a job's frames. Feeds whose length is not known have no ground truth.
-fn truth(job: &Job<'_>) -> Vec<(u32, StampedPose)> {
-    let Some(body) = job.ground_truth else { return Vec::new() };
-    let info = (0..job.feed.len()).map(|i| job.feed.info(i));
+fn truth(job: &Job) -> Vec<(u32, StampedPose)> {
+    let (sequence, feed) = (job.sequence(), job.session.input().feed());
+    let Some(body) = &sequence.ground_truth else { return Vec::new() };
+    let info = (0..feed.len()).map(|i| feed.info(i));
     let frames: Vec<(u32, f64)> = info.map(|info| (info.index, info.timestamp_s)).collect();
-    truth_of(&frames, body, &job.body_from_left)
+    truth_of(&frames, body, &sequence.body_from_left)
 }
 
 /// True poses of the left camera at frames, given as number and time: of each the pose nearest in time.

@@ -4,16 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 use draw::{Canvas, Color, PALETTE, Strip, Stroke, Swatch};
-use features::{Extractor, Keypoint};
+use features::Keypoint;
 use geometry::{GrayImage, Vec2};
 use io::{FeatureSelection, FeatureSettings};
 
-use super::input::{self, FrameArgs};
+use super::input::{self, FrameArgs, Picture};
 use super::{row, save, zoom_for};
 use crate::args::{NetworkArgs, SettingsArgs};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::selected::Selected;
-use crate::setup;
 
 /// Radius of a ring in pixels of its key-point's level: a quarter of the patch that is described, so that rings stay apart.
 const RING_PX: f64 = 4.0;
@@ -52,9 +51,9 @@ impl FeaturesArgs {
     /// An image, a configuration or a network that cannot be used, a picture that cannot be written.
     pub(crate) fn run(&self) -> Result<Exit, Failure> {
         let config = self.settings.load().or_input()?;
-        let settings = config.features.clone();
-        let picture = input::picture(&self.input, self.picture.frame, config).or_input()?;
-        let found = self.find(&picture.image, &settings)?;
+        let mut picture = input::picture(&self.input, self.picture.frame, &config).or_input()?;
+        let found = self.find(&mut picture)?;
+        let settings = &picture.settings;
         let size = format!("{}x{}", picture.image.width, picture.image.height);
         row("image", &format!("{} ({size})", picture.name));
         row("features", &format!("{} of at most {}", found.features.len(), settings.keep));
@@ -62,15 +61,15 @@ impl FeaturesArgs {
         let counts = count(&found.features, settings.levels);
         row("by octave", &counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" "));
         row("response", &responses(&found.features));
-        save(&self.picture.out, &found.drawn(&picture.image, &picture.name, &settings))
+        save(&self.picture.out, &found.drawn(&picture.image, &picture.name, settings))
     }
 
-    fn find(&self, image: &GrayImage, settings: &FeatureSettings) -> Result<Found, Failure> {
-        if settings.selection == FeatureSelection::Response {
-            let features = Extractor::new(setup::extractor(settings)).extract(image).keypoints;
+    fn find(&self, picture: &mut Picture) -> Result<Found, Failure> {
+        if picture.settings.selection == FeatureSelection::Response {
+            let features = picture.extractor.extract(&picture.image).keypoints;
             return Ok(Found { features, selected: None });
         }
-        let selected = Selected::of(image, settings, &self.network).or_input()?;
+        let selected = Selected::of(picture, &self.network).or_input()?;
         Ok(Found { features: selected.kept.keypoints.clone(), selected: Some(selected) })
     }
 }

@@ -4,12 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
-use features::{ExtractorConfig, Rig};
+use dsslam::{Input, InputOptions};
+use features::Extractor;
 use geometry::GrayImage;
-use io::{Config, LoadedFrame, OpenOptions, Sensor, Sequence};
-use runtime::{FrameFeed, Preparation, SequenceFeed, Setup};
-
-use crate::setup;
+use io::{Config, FeatureSettings, LoadedFrame, Sensor};
+use runtime::FrameInfo;
 
 /// A frame, and where its picture goes.
 #[derive(Debug, Args)]
@@ -23,91 +22,68 @@ pub(crate) struct FrameArgs {
 }
 
 /// An image to look at.
-pub(super) struct Picture {
+pub(crate) struct Picture {
     /// Where it comes from.
-    pub(super) name: String,
-    /// Its pixels, rectified where the sequence's are.
-    pub(super) image: GrayImage,
+    pub(crate) name: String,
+    /// Its pixels, reduced and rectified as those of a run are.
+    pub(crate) image: GrayImage,
+    /// What extracts its features, where `input.mask` allows it.
+    pub(crate) extractor: Extractor,
+    /// The settings of its features.
+    pub(crate) settings: FeatureSettings,
 }
 
-/// A sequence of which frames are taken.
+/// An image, or a sequence of which frames are taken.
 pub(super) struct Frames {
-    sequence: Sequence,
-    /// `input.scale`.
-    scale: f64,
-    /// Camera and parameters, or why there are none.
-    pub(super) setup: Result<Setup>,
-}
-
-/// The parameters of extraction.
-pub(super) fn extractor(config: &Config) -> ExtractorConfig {
-    setup::extractor(&config.features)
+    /// What has been opened.
+    pub(super) input: Input,
 }
 
 /// An image file, or the left image of a sequence's frame.
-pub(super) fn picture(path: &Path, frame: Option<u32>, config: Config) -> Result<Picture> {
+pub(crate) fn picture(path: &Path, frame: Option<u32>, config: &Config) -> Result<Picture> {
     if path.is_dir() {
         return Frames::open(path, None, config)?.picture(frame);
     }
     if let Some(number) = frame {
         bail!("{}: found an image, and --frame {number} needs a sequence", path.display());
     }
-    Ok(Picture { name: path.display().to_string(), image: io::load_gray(path)? })
+    let input = Input::image(path, config)?;
+    Ok(Picture { name: path.display().to_string(), ..Frames { input }.picture(None)? })
 }
 
 impl Frames {
     /// Opens a sequence with a sensor, or with the configuration's or the best that it offers.
-    pub(super) fn open(dir: &Path, sensor: Option<Sensor>, mut config: Config) -> Result<Self> {
-        let options = OpenOptions {
-            sensor: sensor.or(config.input.sensor),
-            association_tolerance_s: config.input.association_tolerance_s,
-            calibration: None,
-            frame_rate_hz: config.camera.fps,
-        };
-        let sequence = io::open_sequence_with(dir, &options)?;
-        if let Some(calibration) = &sequence.calibration {
-            config.apply_calibration(calibration);
-        }
-        let setup = setup::image_size(&sequence, &config)
-            .and_then(|size| setup::from_config(&config, sequence.sensor, size, dir));
-        Ok(Self { sequence, scale: config.input.scale, setup })
+    pub(super) fn open(dir: &Path, sensor: Option<Sensor>, config: &Config) -> Result<Self> {
+        let mut options = InputOptions::default();
+        options.sensor = sensor;
+        Ok(Self { input: Input::open(dir, config, &options)? })
     }
 
-    /// The camera; `None` where neither the sequence nor the configuration gives it.
-    pub(super) fn rig(&self) -> Option<&Rig> {
-        self.setup.as_ref().ok().map(|setup| &*setup.rig)
-    }
-
-    /// The frame of this number, the first one by default: its position among the frames, and its images.
-    pub(super) fn load(&self, number: Option<u32>) -> Result<(usize, LoadedFrame)> {
-        let frames = &self.sequence.frames;
+    /// The frame of this number, the first one by default: what is known of it, and its images.
+    pub(super) fn load(&self, number: Option<u32>) -> Result<(FrameInfo, LoadedFrame)> {
+        let (feed, sequence) = (self.input.feed(), self.input.sequence());
+        let n = sequence.frames.len();
         let position = match number {
             None => 0,
-            Some(number) => frames.iter().position(|frame| frame.index == number).with_context(|| {
-                let ends = frames.first().zip(frames.last()).map(|(a, b)| (a.index, b.index));
-                let (first, last) = ends.unwrap_or_default();
-                format!("{}: found no frame {number}, it has frames {first} to {last}", self.sequence.name)
+            Some(number) => (0..n).find(|&i| feed.info(i).index == number).with_context(|| {
+                let ends = sequence.frames.first().zip(sequence.frames.last());
+                let (first, last) = ends.map(|(a, b)| (a.index, b.index)).unwrap_or_default();
+                format!("{}: found no frame {number}, it has frames {first} to {last}", sequence.name)
             })?,
         };
-        let preparation = Preparation::new(&self.sequence, self.scale);
-        let feed = SequenceFeed::prepared(&self.sequence, preparation, None);
         let frame = feed.load(position).map_err(|reason| anyhow!(reason))?;
-        Ok((position, frame))
+        Ok((feed.info(position), frame))
     }
 
     /// The left image of a frame.
     pub(super) fn picture(&self, number: Option<u32>) -> Result<Picture> {
-        let (position, frame) = self.load(number)?;
-        Ok(Picture { name: self.name_of(position), image: frame.left })
+        let (info, frame) = self.load(number)?;
+        let (extractor, settings) = (self.input.extractor()?, self.input.features());
+        Ok(Picture { name: self.name_of(info), image: frame.left, extractor, settings })
     }
 
     /// Sequence and frame in words.
-    pub(super) fn name_of(&self, position: usize) -> String {
-        format!("{} frame {}", self.sequence.name, self.sequence.frames[position].index)
-    }
-
-    /// Time of a frame, seconds.
-    pub(super) fn timestamp_s(&self, position: usize) -> f64 {
-        self.sequence.frames[position].timestamp_s
+    pub(super) fn name_of(&self, info: FrameInfo) -> String {
+        format!("{} frame {}", self.input.sequence().name, info.index)
     }
 }

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 use draw::{Canvas, Color, Strip, Stroke, Swatch};
-use features::{Extractor, ExtractorConfig, Features, match_brute_force};
+use features::{Features, match_brute_force};
 use geometry::{FundamentalEstimator, Mat3, RansacOptions, Vec2, mix_seed, ransac};
 
-use super::input::{Frames, Picture};
+use super::input::{Frames, Picture, picture};
 use super::{row, save};
 use crate::args::SettingsArgs;
 use crate::exit::{Exit, Failure, OrExit};
@@ -98,12 +98,13 @@ impl MatchArgs {
 
     fn pair(&self) -> Result<Pair> {
         let config = self.settings.load()?;
-        let extraction = super::input::extractor(&config);
         if let (Some(numbers), true) = (&self.frames, self.a.is_dir()) {
-            let frames = Frames::open(&self.a, None, config)?;
+            let frames = Frames::open(&self.a, None, &config)?;
             let pictures = [frames.picture(Some(numbers[0]))?, frames.picture(Some(numbers[1]))?];
-            let ideal = |pixel: Vec2| frames.rig().map_or(pixel, |rig| rig.undistort(&pixel));
-            return Ok(Pair::of(pictures, &extraction, ideal));
+            // Without a camera the lens is unknown.
+            let rig = frames.input.rig().ok();
+            let ideal = |pixel: Vec2| rig.as_ref().map_or(pixel, |rig| rig.undistort(&pixel));
+            return Ok(Pair::of(pictures, ideal));
         }
         let Some(b) = &self.b else {
             bail!("{}: found an image, and --frames needs a sequence", self.a.display());
@@ -114,10 +115,8 @@ impl MatchArgs {
                 folder.display()
             );
         }
-        let picture = |path: &PathBuf| -> Result<Picture> {
-            Ok(Picture { name: path.display().to_string(), image: io::load_gray(path)? })
-        };
-        Ok(Pair::of([picture(&self.a)?, picture(b)?], &extraction, |pixel| pixel))
+        let pictures = [picture(&self.a, None, &config)?, picture(b, None, &config)?];
+        Ok(Pair::of(pictures, |pixel| pixel))
     }
 
     fn matches(&self, pair: &Pair) -> Matches {
@@ -181,9 +180,8 @@ impl MatchArgs {
 }
 
 impl Pair {
-    fn of(pictures: [Picture; 2], extraction: &ExtractorConfig, ideal: impl Fn(Vec2) -> Vec2) -> Self {
-        let mut extractor = Extractor::new(extraction.clone());
-        let features = [extractor.extract(&pictures[0].image), extractor.extract(&pictures[1].image)];
+    fn of(mut pictures: [Picture; 2], ideal: impl Fn(Vec2) -> Vec2) -> Self {
+        let features = pictures.each_mut().map(|picture| picture.extractor.extract(&picture.image));
         let pixels = [0, 1].map(|side| {
             (0..features[side].keypoints.len()).map(|i| ideal(pixel(&features[side], i))).collect()
         });

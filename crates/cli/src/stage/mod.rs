@@ -6,6 +6,7 @@ mod matching;
 mod stereo;
 
 pub(crate) use features::FeaturesArgs;
+pub(crate) use input::{Picture, picture};
 pub(crate) use matching::MatchArgs;
 pub(crate) use stereo::StereoArgs;
 

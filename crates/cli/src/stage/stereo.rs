@@ -11,7 +11,7 @@ use io::Sensor;
 
 use super::input::{FrameArgs, Frames};
 use super::{row, save, zoom_for};
-use crate::args::SettingsArgs;
+use crate::args::{NetworkArgs, SettingsArgs};
 use crate::exit::{Exit, Failure, OrExit};
 
 /// Arguments of `dsslam stereo`.
@@ -26,6 +26,9 @@ pub(crate) struct StereoArgs {
     /// The configuration.
     #[command(flatten)]
     settings: SettingsArgs,
+    /// The network that selects features.
+    #[command(flatten)]
+    network: NetworkArgs,
 }
 
 impl StereoArgs {
@@ -35,15 +38,14 @@ impl StereoArgs {
     /// A sequence or a configuration that cannot be used, a picture that cannot be written.
     pub(crate) fn run(&self) -> Result<Exit, Failure> {
         let config = self.settings.load().or_input()?;
-        let frames = Frames::open(&self.sequence, Some(Sensor::Stereo), config).or_input()?;
-        let (position, images) = frames.load(self.picture.frame).or_input()?;
-        let name = frames.name_of(position);
-        let timestamp_s = frames.timestamp_s(position);
-        let setup = frames.setup.or_input()?;
+        let frames = Frames::open(&self.sequence, Some(Sensor::Stereo), &config).or_input()?;
+        let (info, images) = frames.load(self.picture.frame).or_input()?;
+        let name = frames.name_of(info);
+        let setup = frames.input.setup(&self.network.options()).or_input()?;
         let right = images.right.unwrap_or_default();
         let frame = setup
             .frame_builder(setup.disparity_offset_px)
-            .and_then(|mut builder| builder.stereo(position as u32, timestamp_s, &images.left, &right))
+            .and_then(|mut builder| builder.stereo(info.index, info.timestamp_s, &images.left, &right))
             .map_err(|reason| anyhow!(reason))
             .or_input()?;
         let found = Disparities::of(&frame);

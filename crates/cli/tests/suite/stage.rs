@@ -70,6 +70,17 @@ fn most_matches_of_two_moments_are_explained_by_one_motion() {
 }
 
 #[test]
+fn a_stage_reduces_images_as_a_run_does() {
+    let dir = sandbox();
+    for input in ["kitti/sequences/06", "image_0/000000.png"] {
+        let args = ["features", input, "--set", "input.scale=0.5", "-o", "half.png"];
+        let Call { code, stdout, stderr } = dsslam_in(dir.path(), &args);
+        assert_eq!(code, Some(0), "{stderr}");
+        assert!(value(&stdout, "image").ends_with("(621x188)"), "{stdout}");
+    }
+}
+
+#[test]
 fn disparities_are_counted_and_drawn() {
     let dir = sandbox();
     let Call { code, stdout, stderr } =
@@ -101,6 +112,14 @@ fn what_cannot_be_looked_at_is_named() {
         (
             &["match", "image_0/000000.png", "--frames", "0", "1"],
             "error: image_0/000000.png: found an image, and --frames needs a sequence",
+        ),
+        (
+            &["features", "image_0/000000.png", "--set", "input.mask=none.png"],
+            "error: input.mask (--set input.mask=none.png): none.png: no such image",
+        ),
+        (
+            &["stereo", "morning", "--set", "input.mask=none.png"],
+            "error: input.mask (--set input.mask=none.png): none.png: no such image",
         ),
         (
             &["match", "morning", "image_0/000000.png"],

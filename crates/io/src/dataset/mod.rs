@@ -36,6 +36,8 @@ pub enum SequenceKind {
     Euroc,
     /// A video or a camera.
     Video,
+    /// A rendered world: its frames are not files.
+    Rendered,
     /// Images in the folder itself or in sub-folders for left and right, with a calibration file.
     Images,
 }
@@ -144,6 +146,24 @@ impl FrameSource {
 }
 
 impl Sequence {
+    /// One image file as a sequence of one frame, without a camera.
+    pub fn of_image(file: &Path) -> Self {
+        let (left, packing) = (file.to_path_buf(), Packing::Whole);
+        Self {
+            name: file.display().to_string(),
+            kind: SequenceKind::Images,
+            sensor: Sensor::Mono,
+            frames: vec![FrameSource { index: 0, timestamp_s: 0.0, left, right: None, depth: None, packing }],
+            calibration: None,
+            raw_calibration: None,
+            rectification: Vec::new(),
+            ground_truth: None,
+            body_from_left: SE3::identity(),
+            frame_rate_hz: None,
+            warnings: Vec::new(),
+        }
+    }
+
     /// Size of the sequence's images: that of the first frame whose header can be read, with its frame's position.
     ///
     /// # Errors

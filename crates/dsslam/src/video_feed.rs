@@ -70,7 +70,7 @@ impl State {
             }
             Err(error) => {
                 self.has_ended = true;
-                self.remark = Some(format!("{}: cannot be read again: {error:#}", path.display()));
+                self.remark = Some(format!("{}: cannot be read again: {error}", path.display()));
             }
         }
     }

@@ -4,25 +4,26 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail, ensure};
 use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
 use geometry::{GrayImage, StereoRig};
 use io::{
-    Config, FeatureSelection, FeatureSettings, FrameSource, ImageSize, LoopSettings, MappingSettings,
-    RuntimeSettings, Sensor, Sequence, StereoSettings, TrackingSettings, WeightSettings,
+    Config, FeatureSelection, FeatureSettings, FrameSource, ImageError, ImageSize, LoopSettings,
+    MappingSettings, RuntimeSettings, Sensor, Sequence, StereoSettings, TrackingSettings, WeightSettings,
 };
 use runtime::Setup;
 use slam::{Params, Weights};
+
+use crate::Error;
 
 /// Size of a sequence's images, after rectification where there is one, compared with what the configuration says. The size
 /// that the dataset's own calibration gives is taken when at least one image has it.
 ///
 /// # Errors
 /// No image has a readable header, or its size is not the configured or calibrated one.
-pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSize> {
+pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSize, Error> {
     let (position, size) = match calibrated(sequence)? {
         Some(found) => found,
-        None => sequence.image_size().context("no image of the sequence can be read")?,
+        None => sequence.image_size().map_err(Error::NoImage)?,
     };
     check_size(size, &sequence.frames[position].left, config)?;
     Ok(size)
@@ -32,48 +33,53 @@ pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSi
 ///
 /// # Errors
 /// Both sizes.
-pub(crate) fn check_size(size: ImageSize, name: &Path, config: &Config) -> Result<()> {
+pub(crate) fn check_size(size: ImageSize, name: &Path, config: &Config) -> Result<(), Error> {
     if let (Some(width), Some(height)) = (config.camera.width, config.camera.height) {
-        let expected = ImageSize { width, height };
-        ensure!(
-            size == expected,
-            "{}: found {size} pixels, expected {expected} (camera.width and camera.height of the configuration)",
-            name.display()
-        );
+        let because = "camera.width and camera.height of the configuration";
+        expect_size(name, size, ImageSize { width, height }, because)?;
     }
     Ok(())
 }
 
+fn expect_size(image: &Path, found: ImageSize, expected: ImageSize, because: &str) -> Result<(), ImageError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(ImageError::WrongSize { path: image.to_path_buf(), found, expected, because: because.to_owned() })
+}
+
 /// The image size of the dataset's calibration with the position of the first frame that has it; `None` where the dataset
 /// gives no size.
-fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>> {
+fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>, Error> {
     let Some(raw) = &sequence.raw_calibration else { return Ok(None) };
     let Some(expected) = raw.cameras.first().map(|camera| camera.size) else { return Ok(None) };
     let has_it = |frame: &FrameSource| frame.image_size().is_ok_and(|size| size == expected);
     if let Some(position) = sequence.frames.iter().position(has_it) {
         return Ok(Some((position, expected)));
     }
-    let (position, size) = sequence.image_size().context("no image of the sequence can be read")?;
-    bail!(
-        "{}: found {size} pixels, expected {expected} (resolution in {})",
-        sequence.frames[position].left.display(),
-        raw.source
-    )
+    let (position, size) = sequence.image_size().map_err(Error::NoImage)?;
+    let because = format!("resolution in {}", raw.source);
+    expect_size(&sequence.frames[position].left, size, expected, &because)?;
+    Ok(Some((position, size)))
 }
 
-/// The setup of a run of `dataset` with raw images of `size`, which are reduced by `input.scale`; the configuration holds the camera in force.
+/// The camera in force for raw images of `size` of `dataset`, which are reduced by `input.scale`.
 ///
 /// # Errors
 /// A camera that nobody gives.
-pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, dataset: &Path) -> Result<Setup> {
+pub(crate) fn rig(config: &Config, sensor: Sensor, size: ImageSize, dataset: &Path) -> Result<Rig, Error> {
     let camera = config.camera_in_force(dataset, sensor)?;
-    let close_depth_m = config.stereo.close_depth_baselines * camera.rig.baseline_m;
     let reduced = size.scaled(config.input.scale);
     let stereo = StereoRig { camera: camera.rig.camera.resized(size.factors_to(reduced)), ..camera.rig };
-    let rig = Rig { stereo, distortion: camera.distortion, width: reduced.width, height: reduced.height };
+    Ok(Rig { stereo, distortion: camera.distortion, width: reduced.width, height: reduced.height })
+}
+
+/// The setup of a run with this camera.
+pub(crate) fn from_config(config: &Config, sensor: Sensor, rig: Rig) -> Setup {
+    let close_depth_m = config.stereo.close_depth_baselines * rig.stereo.baseline_m;
     let RuntimeSettings { lag, loop_lag } = config.runtime;
     let params = slam_params(config, sensor, close_depth_m);
-    Ok(Setup {
+    Setup {
         extractor: extractor(&config.features.with_sensor(sensor)),
         stereo: stereo_association(&config.stereo),
         disparity_offset_px: config.stereo.disparity_offset_px,
@@ -82,29 +88,26 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, size: ImageSize, data
         lag,
         loop_lag,
         ..Setup::new(sensor, Arc::new(rig), params)
-    })
+    }
 }
 
 /// The mask of the configuration, compared with the size of the raw images.
 ///
 /// # Errors
 /// A file that is no image, or one of another size.
-pub(crate) fn wanted_mask(config: &Config, size: ImageSize) -> Result<Option<GrayImage>> {
+pub(crate) fn wanted_mask(config: &Config, size: ImageSize) -> Result<Option<GrayImage>, Error> {
     let Some(path) = &config.input.mask else { return Ok(None) };
     let place = || format!("input.mask ({})", config.provenance("input.mask"));
-    let mask = io::load_gray(path).with_context(place)?;
+    let mask = io::load_gray(path).map_err(|problem| Error::Mask { place: place(), problem })?;
     let found = ImageSize { width: mask.width, height: mask.height };
-    ensure!(
-        found == size,
-        "{}: {}: found {found} pixels, expected {size} as the images have",
-        place(),
-        path.display()
-    );
+    if found != size {
+        return Err(Error::MaskSize { place: place(), path: path.clone(), found, expected: size });
+    }
     Ok(Some(mask))
 }
 
 /// What is extracted; with a selection that chooses among it, the candidates. The settings are those of the run's sensor.
-pub(crate) fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
+pub fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
     let FeatureSettings {
         keep,
         keep_mono: _,
@@ -180,11 +183,13 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize { width: 640, height: 480 };
 
-    fn config(extra: &[&str]) -> Config {
+    fn setup(extra: &[&str], sensor: Sensor) -> Setup {
         let camera =
             ["camera.fx=500", "camera.fy=500", "camera.cx=320", "camera.cy=240", "camera.baseline_m=0.5"];
         let overrides: Vec<String> = camera.iter().chain(extra).map(|s| (*s).to_owned()).collect();
-        Config::load(None, &overrides).unwrap()
+        let config = Config::load(None, &overrides).unwrap();
+        let rig = rig(&config, sensor, SIZE, Path::new("x")).unwrap();
+        from_config(&config, sensor, rig)
     }
 
     #[test]
@@ -196,7 +201,7 @@ mod tests {
             "seed=9",
             "camera.fps=25",
         ];
-        let setup = from_config(&config(&extra), Sensor::Stereo, SIZE, Path::new("x")).unwrap();
+        let setup = setup(&extra, Sensor::Stereo);
         assert_eq!(setup.extractor.keep, 777);
         assert_eq!(setup.slam.tracking.min_inliers, 31);
         assert_eq!(setup.slam.tracking.max_keyframe_gap, 25);
@@ -207,9 +212,7 @@ mod tests {
 
     #[test]
     fn a_single_camera_keeps_features_of_its_own_number() {
-        let kept = |extra: &[&str], sensor| {
-            from_config(&config(extra), sensor, SIZE, Path::new("x")).unwrap().extractor.keep
-        };
+        let kept = |extra: &[&str], sensor| setup(extra, sensor).extractor.keep;
         let both = ["features.keep=500", "features.keep_mono=1500"];
         assert_eq!([Sensor::Mono, Sensor::Stereo].map(|sensor| kept(&both, sensor)), [1500, 500]);
         assert_eq!(kept(&both[..1], Sensor::Mono), 500, "absent: as many as of the others");
@@ -218,7 +221,7 @@ mod tests {
     #[test]
     fn without_a_camera_there_is_no_run() {
         let none = Config::load(None, &[]).unwrap();
-        let error = from_config(&none, Sensor::Rgbd, SIZE, Path::new("desk")).unwrap_err().to_string();
+        let error = rig(&none, Sensor::Rgbd, SIZE, Path::new("desk")).unwrap_err().to_string();
         assert!(error.starts_with("desk: the dataset has no calibration file"), "{error}");
     }
 }

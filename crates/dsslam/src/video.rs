@@ -5,13 +5,14 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use anyhow::{Context, Result, anyhow, bail};
-use io::{OpenOptions, Sequence, Video, VideoReader, open_video};
+use io::{OpenOptions, Video, VideoReader, open_video};
+
+use crate::Error;
 
 /// The program that comes with DSSLAM (`./install.sh --video`); it is looked for beside this one, then in the PATH.
-const HELPER: &str = "dsslam-video";
+pub(crate) const HELPER: &str = "dsslam-video";
 /// What is taken where it is missing.
-const FFMPEG: &str = "ffmpeg";
+pub(crate) const FFMPEG: &str = "ffmpeg";
 
 /// Endings of the names of videos.
 const ENDINGS: [&str; 11] = ["y4m", "mp4", "m4v", "mov", "avi", "mkv", "webm", "mpg", "mpeg", "ts", "wmv"];
@@ -42,7 +43,7 @@ pub(crate) fn is_video(path: &Path) -> bool {
 }
 
 /// Whether a path is that of a device such as `/dev/video0`.
-pub(crate) fn is_camera(path: &Path) -> bool {
+pub fn is_camera(path: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;
@@ -57,7 +58,7 @@ impl Opened {
     ///
     /// # Errors
     /// A file that is no video, a missing decoder, a calibration that does not fit.
-    pub(crate) fn new(path: &Path, options: &OpenOptions) -> Result<Self> {
+    pub(crate) fn new(path: &Path, options: &OpenOptions) -> Result<Self, Error> {
         let stream = Stream::open(path)?;
         let header = stream.reader.header().clone();
         let mut video = open_video(path, header.size, options)?;
@@ -66,11 +67,6 @@ impl Opened {
         let frame_rate_hz = rate.unwrap_or(options.frame_rate_hz);
         Ok(Self { video, path: path.to_path_buf(), stream, frame_rate_hz })
     }
-
-    /// Cameras and sensor.
-    pub(crate) fn sequence(&self) -> &Sequence {
-        &self.video.sequence
-    }
 }
 
 impl Stream {
@@ -78,10 +74,10 @@ impl Stream {
     ///
     /// # Errors
     /// A file that cannot be read, that is no video, or a missing decoder.
-    pub(crate) fn open(path: &Path) -> Result<Self> {
+    pub(crate) fn open(path: &Path) -> Result<Self, Error> {
         let name = path.display().to_string();
         let is_raw = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("y4m"));
-        let file = File::open(path).with_context(|| format!("{name}: cannot be read"))?;
+        let file = File::open(path).map_err(|reason| Error::unreadable(path, &reason))?;
         if is_raw {
             let stream: Box<dyn BufRead + Send> = Box::new(BufReader::new(file));
             return Ok(Self { reader: VideoReader::new(stream, &name)?, decoder: None });
@@ -92,14 +88,15 @@ impl Stream {
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let started = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
-        let mut child = started.with_context(|| format!("{}: cannot be started", program.display()))?;
-        let Some(pipe) = child.stdout.take() else { bail!("{}: has no output", program.display()) };
+        let failed = |reason: &str| Error::Decoder { program: program.clone(), reason: reason.to_owned() };
+        let mut child = started.map_err(|reason| failed(&reason.to_string()))?;
+        let pipe = child.stdout.take().ok_or_else(|| failed("it has no output"))?;
         let stream: Box<dyn BufRead + Send> = Box::new(BufReader::with_capacity(1 << 16, pipe));
         match VideoReader::new(stream, &name) {
             Ok(reader) => Ok(Self { reader, decoder: Some(child) }),
-            Err(error) => {
+            Err(problem) => {
                 end(&mut child);
-                Err(anyhow!(error).context(format!("{} cannot decode it", program.display())))
+                Err(Error::Undecodable { program, problem })
             }
         }
     }
@@ -119,18 +116,14 @@ fn end(child: &mut Child) {
 }
 
 /// The program that decodes a file, with its arguments.
-fn decoder(path: &Path) -> Result<(PathBuf, Command)> {
+fn decoder(path: &Path) -> Result<(PathBuf, Command), Error> {
     if let Some(program) = find_program(HELPER) {
         let mut command = Command::new(&program);
         command.arg(path);
         return Ok((program, command));
     }
     let Some(program) = find_program(FFMPEG) else {
-        bail!(
-            "{}: only .y4m videos can be read without a decoder; found neither {HELPER} (./install.sh --video) nor \
-             {FFMPEG} in the PATH",
-            path.display()
-        );
+        return Err(Error::NoDecoder { path: path.to_path_buf() });
     };
     let mut command = Command::new(&program);
     command.args(["-v", "error", "-nostdin"]);

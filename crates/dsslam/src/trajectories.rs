@@ -1,17 +1,18 @@
 //! From the records of a run to the trajectories that are written and evaluated.
 
-use anyhow::{Context, Result};
 use geometry::SE3;
 use io::{Sensor, StampedPose, Trajectory};
 use runtime::FrameRecord;
 
+use crate::Error;
+
 /// The frame's own pose `world_from_cam`: only of frames that were tracked.
-pub(crate) fn own_pose(record: &FrameRecord) -> Option<SE3> {
+pub fn own_pose(record: &FrameRecord) -> Option<SE3> {
     record.world_from_cam.filter(|_| record.status.has_pose())
 }
 
 /// A pose per frame. Frames without one of their own repeat the last one before them; before the first: identity.
-pub(crate) fn pose_per_frame(records: &[FrameRecord]) -> Trajectory {
+pub fn pose_per_frame(records: &[FrameRecord]) -> Trajectory {
     let mut last = SE3::identity();
     let poses = records.iter().map(|record| {
         last = own_pose(record).unwrap_or(last);
@@ -21,7 +22,7 @@ pub(crate) fn pose_per_frame(records: &[FrameRecord]) -> Trajectory {
 }
 
 /// The poses of the frames that have one of their own.
-pub(crate) fn tracked_poses(records: &[FrameRecord]) -> Trajectory {
+pub fn tracked_poses(records: &[FrameRecord]) -> Trajectory {
     let pose = |record: &FrameRecord| {
         Some(StampedPose { timestamp_s: record.timestamp_s, world_from_cam: own_pose(record)? })
     };
@@ -30,7 +31,7 @@ pub(crate) fn tracked_poses(records: &[FrameRecord]) -> Trajectory {
 
 /// The records with the poses of the body in the place of the left camera's, `world_from_cam * body_from_left^-1` in the same
 /// world; `None` where the camera is the body, and for one camera, whose map has no scale to measure the way to the body with.
-pub(crate) fn body_records(
+pub fn body_records(
     records: &[FrameRecord],
     sensor: Sensor,
     body_from_left: &SE3,
@@ -52,7 +53,7 @@ fn has_body(sensor: Sensor, body_from_left: &SE3) -> bool {
 }
 
 /// The left camera in the body as a map's file tells it.
-pub(crate) fn body_text(sensor: Sensor, body_from_left: &SE3) -> String {
+pub fn body_text(sensor: Sensor, body_from_left: &SE3) -> String {
     if !has_body(sensor, body_from_left) {
         return String::new();
     }
@@ -63,7 +64,7 @@ pub(crate) fn body_text(sensor: Sensor, body_from_left: &SE3) -> String {
 ///
 /// # Errors
 /// A text that is no pose.
-pub(crate) fn body_of_text(text: &str) -> Result<Option<SE3>> {
+pub fn body_of_text(text: &str) -> Result<Option<SE3>, Error> {
     let words: Vec<&str> = text.split_whitespace().collect();
     if words.is_empty() {
         return Ok(None);
@@ -75,17 +76,16 @@ pub(crate) fn body_of_text(text: &str) -> Result<Option<SE3>> {
         |rows: &[f64; 12], pose: &SE3| rows.iter().zip(pose.rows_3x4()).all(|(a, b)| (a - b).abs() < 1e-6);
     let read = |rows: [f64; 12]| Some(SE3::from_rows_3x4(&rows)).filter(|pose| is_rigid(&rows, pose));
     let pose = rows.filter(|rows| rows.iter().all(|number| number.is_finite())).and_then(read);
-    pose.with_context(|| format!("body_from_left: found `{text}`, expected the 12 numbers of a 3x4 pose"))
-        .map(Some)
+    pose.map(Some).ok_or_else(|| Error::Body { found: text.to_owned() })
 }
 
 /// Poses of the body, from those of the left camera.
-pub(crate) fn of_body(left: &Trajectory, body_from_left: &SE3) -> Trajectory {
+pub fn of_body(left: &Trajectory, body_from_left: &SE3) -> Trajectory {
     of_left_camera(left, &body_from_left.inverse())
 }
 
 /// Poses of the left camera, from those of the body.
-pub(crate) fn of_left_camera(body: &Trajectory, body_from_left: &SE3) -> Trajectory {
+pub fn of_left_camera(body: &Trajectory, body_from_left: &SE3) -> Trajectory {
     let of_left = |pose: &StampedPose| StampedPose {
         timestamp_s: pose.timestamp_s,
         world_from_cam: pose.world_from_cam * *body_from_left,
@@ -94,13 +94,13 @@ pub(crate) fn of_left_camera(body: &Trajectory, body_from_left: &SE3) -> Traject
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use geometry::{SO3, Vec3};
     use runtime::FrameStatus;
 
     /// A frame at x = `x` metres, or a dropped one.
-    pub(crate) fn record(index: u32, x: Option<f64>) -> FrameRecord {
+    fn record(index: u32, x: Option<f64>) -> FrameRecord {
         let world_from_cam = x.map(|x| SE3::new(SO3::identity(), Vec3::new(x, 0.0, 0.0)));
         let status = match x {
             Some(_) => FrameStatus::Tracked { inliers: 100 },

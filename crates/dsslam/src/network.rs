@@ -4,14 +4,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context, Result};
 use dsfeat::{Model, Network};
 use features::{ActivationSource, SelectionConfig, SelectionRule, Spread};
 use io::{FeatureSelection, FeatureSettings, FeatureSpread};
 use runtime::{ActivationFactory, Selection};
 use sha2::{Digest, Sha256};
 
-use crate::args::NetworkArgs;
+use crate::Error;
+
+/// Which activation network is taken.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct NetworkOptions {
+    /// File of a network (ONNX: grey image in, activation map out); `None`: the one that is part of the library.
+    pub model: Option<PathBuf>,
+    /// ONNX Runtime's library; `None`: the one of `ORT_DYLIB_PATH`, beside the program, in `~/.local/share/dsslam` or of the system.
+    pub library: Option<PathBuf>,
+}
 
 /// Opens networks for a run.
 #[derive(Debug)]
@@ -24,14 +33,15 @@ struct Opener {
 }
 
 impl Opener {
-    fn network(&self) -> Result<Network> {
-        Network::load(&self.model, self.library.as_deref(), self.threads).with_context(|| self.origin.clone())
+    fn network(&self) -> Result<Network, Error> {
+        Network::load(&self.model, self.library.as_deref(), self.threads)
+            .map_err(|problem| Error::Network { origin: self.origin.clone(), problem })
     }
 }
 
 impl ActivationFactory for Opener {
     fn open(&self) -> Result<Box<dyn ActivationSource>, String> {
-        let network = self.network().map_err(|error| format!("{error:#}"))?;
+        let network = self.network().map_err(|error| error.to_string())?;
         Ok(Box::new(network))
     }
 
@@ -46,9 +56,12 @@ impl ActivationFactory for Opener {
 ///
 /// # Errors
 /// A model or a library that cannot be used.
-pub(crate) fn selection(settings: &FeatureSettings, args: &NetworkArgs) -> Result<Option<Selection>> {
+pub(crate) fn selection(
+    settings: &FeatureSettings,
+    options: &NetworkOptions,
+) -> Result<Option<Selection>, Error> {
     let Some((config, model)) = chosen(settings) else { return Ok(None) };
-    let opener = opener(model, args, settings.network_threads)?;
+    let opener = opener(model, options, settings.network_threads)?;
     opener.network()?;
     Ok(Some(Selection { config, source: Arc::new(opener) }))
 }
@@ -57,9 +70,12 @@ pub(crate) fn selection(settings: &FeatureSettings, args: &NetworkArgs) -> Resul
 ///
 /// # Errors
 /// A model or a library that cannot be used.
-pub(crate) fn open(settings: &FeatureSettings, args: &NetworkArgs) -> Result<(Network, SelectionConfig)> {
-    let (config, model) = chosen(settings).context("features.selection is response, which has no network")?;
-    Ok((opener(model, args, settings.network_threads)?.network()?, config))
+pub fn open(
+    settings: &FeatureSettings,
+    options: &NetworkOptions,
+) -> Result<(Network, SelectionConfig), Error> {
+    let (config, model) = chosen(settings).ok_or(Error::NoNetwork)?;
+    Ok((opener(model, options, settings.network_threads)?.network()?, config))
 }
 
 /// Rule and model of the settings; `None` where no network takes part.
@@ -80,18 +96,18 @@ fn chosen(settings: &FeatureSettings) -> Option<(SelectionConfig, Model)> {
 ///
 /// # Errors
 /// A model or a library that cannot be used.
-pub(crate) fn load(model: Model, args: &NetworkArgs, threads: usize) -> Result<Network> {
-    opener(model, args, threads)?.network()
+pub fn load(model: Model, options: &NetworkOptions, threads: usize) -> Result<Network, Error> {
+    opener(model, options, threads)?.network()
 }
 
-fn opener(model: Model, args: &NetworkArgs, threads: usize) -> Result<Opener> {
-    let (model, origin) = match &args.dsfeat_model {
+fn opener(model: Model, options: &NetworkOptions, threads: usize) -> Result<Opener, Error> {
+    let (model, origin) = match &options.model {
         Some(file) => (read(file)?, file.display().to_string()),
         None => (model.bytes().to_vec(), "the network that is part of the program".to_owned()),
     };
-    Ok(Opener { model, origin, library: args.onnxruntime.clone(), threads })
+    Ok(Opener { model, origin, library: options.library.clone(), threads })
 }
 
-fn read(file: &Path) -> Result<Vec<u8>> {
-    fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))
+fn read(file: &Path) -> Result<Vec<u8>, Error> {
+    fs::read(file).map_err(|reason| Error::unreadable(file, &reason))
 }

@@ -1,0 +1,131 @@
+//! Why there is no run: everything that can be wrong with configuration, images, network, vocabulary and map files.
+
+use std::path::PathBuf;
+
+use bow::{FormatError, VocabularyError};
+use io::{CameraError, ConfigErrors, DatasetError, FileError, ImageError, ImageSize, Sensor, VideoError};
+use map::MapFileError;
+use runtime::RunError;
+
+/// Why something cannot be used. The message names the file or the key, what was found and what was expected.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The configuration.
+    #[error(transparent)]
+    Config(#[from] ConfigErrors),
+    /// Nobody gives the camera.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The folder of images.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// An image.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// Every image.
+    #[error("no image of the sequence can be read: {0}")]
+    NoImage(ImageError),
+    /// The mask of the configuration.
+    #[error("{place}: {problem}")]
+    Mask {
+        /// The key, and where its value comes from.
+        place: String,
+        /// What is wrong with the file.
+        problem: ImageError,
+    },
+    /// The mask of the configuration has another size than the images.
+    #[error("{place}: {}: found {found} pixels, expected {expected} as the images have", path.display())]
+    MaskSize {
+        /// The key, and where its value comes from.
+        place: String,
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        found: ImageSize,
+        /// The size of the images before they are reduced.
+        expected: ImageSize,
+    },
+    /// The activation network or its library.
+    #[error("{origin}: {problem}")]
+    Network {
+        /// Where the network comes from.
+        origin: String,
+        /// What is wrong.
+        problem: dsfeat::Error,
+    },
+    /// A network is needed and the configuration names none.
+    #[error("features.selection is response, which has no network")]
+    NoNetwork,
+    /// The vocabulary of a file.
+    #[error(transparent)]
+    Vocabulary(#[from] VocabularyError),
+    /// The vocabulary that is part of the library.
+    #[error("the vocabulary that is part of the program: {0}")]
+    BuiltInVocabulary(#[from] FormatError),
+    /// A file that cannot be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A map's file.
+    #[error("{}: {problem}", path.display())]
+    Map {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: MapFileError,
+    },
+    /// A map that was made with another kind of camera.
+    #[error("{}: the map was made with sensor {found}, this run has {expected}", path.display())]
+    MapSensor {
+        /// The file.
+        path: PathBuf,
+        /// The sensor of the map.
+        found: String,
+        /// The sensor of the run.
+        expected: Sensor,
+    },
+    /// The pose of the camera in the body, as a map's file tells it.
+    #[error("body_from_left: found `{found}`, expected the 12 numbers of a 3x4 pose")]
+    Body {
+        /// What stands there.
+        found: String,
+    },
+    /// The stream of a video or a camera.
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    /// Nothing can decode a video.
+    #[error(
+        "{}: only .y4m videos can be read without a decoder; found neither {} (./install.sh --video) nor {} in the PATH",
+        path.display(), crate::video::HELPER, crate::video::FFMPEG
+    )]
+    NoDecoder {
+        /// The video.
+        path: PathBuf,
+    },
+    /// The program that decodes a video.
+    #[error("{}: cannot be started: {reason}", program.display())]
+    Decoder {
+        /// The program.
+        program: PathBuf,
+        /// What the operating system says.
+        reason: String,
+    },
+    /// The program that decodes a video gives no images.
+    #[error("{} cannot decode it: {problem}", program.display())]
+    Undecodable {
+        /// The program.
+        program: PathBuf,
+        /// What comes instead.
+        problem: VideoError,
+    },
+    /// The run cannot begin.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl Error {
+    /// A file that the operating system does not let be read.
+    pub(crate) fn unreadable(path: &std::path::Path, reason: &std::io::Error) -> Self {
+        Self::File(FileError::Unreadable { path: path.to_path_buf(), reason: reason.to_string() })
+    }
+}

@@ -1,0 +1,78 @@
+//! A rendered world as something to run on: its frames are rendered when they are asked for.
+
+use std::path::Path;
+
+use geometry::{Distortion, SE3};
+use io::{
+    Calibration, DatasetError, ImageSize, LoadedFrame, Sensor, Sequence, SequenceKind, StampedPose,
+    Trajectory,
+};
+use runtime::{FrameFeed, FrameInfo, Preparation};
+use synth::World;
+
+/// The first frames of a world.
+#[derive(Debug)]
+pub(crate) struct RenderedFeed {
+    world: World,
+    len: usize,
+    sensor: Sensor,
+    preparation: Preparation,
+}
+
+impl RenderedFeed {
+    /// The first `len` frames, with the images of this sensor.
+    pub(crate) fn new(world: World, len: usize, sensor: Sensor, preparation: Preparation) -> Self {
+        Self { world, len, sensor, preparation }
+    }
+}
+
+impl FrameFeed for RenderedFeed {
+    fn len(&self) -> usize {
+        self.len
+    }
+
+    fn info(&self, i: usize) -> FrameInfo {
+        FrameInfo { index: i as u32, timestamp_s: self.world.timestamp_s(i) }
+    }
+
+    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+        let images = self.world.images(i);
+        let right = (self.sensor == Sensor::Stereo).then_some(images.right);
+        let frame = LoadedFrame { left: images.left, right, depth: None };
+        self.preparation.apply(frame, Path::new(self.world.preset().name()))
+    }
+}
+
+/// Size of the images of a world.
+pub(crate) fn image_size(world: &World) -> ImageSize {
+    let (width, height) = world.image_size();
+    ImageSize { width, height }
+}
+
+/// The first `len` frames of a world as a sequence with its exact poses; its list of files is empty.
+///
+/// # Errors
+/// A sensor that needs images of depth.
+pub(crate) fn sequence(world: &World, len: usize, sensor: Sensor) -> Result<Sequence, DatasetError> {
+    let name = world.preset().name();
+    if sensor == Sensor::Rgbd {
+        let reason = "rendered frames have a left and a right image, and no depth".to_owned();
+        return Err(DatasetError::SensorUnavailable { path: name.into(), sensor, reason });
+    }
+    let pose =
+        |i: usize| StampedPose { timestamp_s: world.timestamp_s(i), world_from_cam: world.world_from_cam(i) };
+    let source = "the renderer".to_owned();
+    Ok(Sequence {
+        name: name.to_owned(),
+        kind: SequenceKind::Rendered,
+        sensor,
+        frames: Vec::new(),
+        calibration: Some(Calibration { rig: world.rig(), distortion: Distortion::default(), source }),
+        raw_calibration: None,
+        rectification: Vec::new(),
+        ground_truth: Some(Trajectory { poses: (0..len).map(pose).collect() }),
+        body_from_left: SE3::identity(),
+        frame_rate_hz: None,
+        warnings: Vec::new(),
+    })
+}
