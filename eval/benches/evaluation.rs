@@ -8,8 +8,9 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use dsslam_eval::baseline::{Metric, read_baselines};
 use dsslam_eval::suite::Results;
 use dsslam_eval::table::{metric_table, runs_csv, runs_table};
-use dsslam_eval::{Association, EvaluationOptions, Matched, evaluate, read_trajectory_file};
+use dsslam_eval::{Association, Estimate, Evaluation, EvaluationOptions};
 use geometry::{SE3, SO3, Vec3};
+use io::{TrajectoryFile, read_trajectory};
 
 const N_POSES: usize = 4541;
 
@@ -26,25 +27,23 @@ fn drive(error: f64) -> String {
     text
 }
 
+fn evaluate(estimate: &TrajectoryFile, truth: &TrajectoryFile) -> Evaluation {
+    let options = EvaluationOptions { association: Association::Index, ..EvaluationOptions::default() };
+    Evaluation::of(&Estimate::of_file(estimate), &truth.trajectory, &options).unwrap()
+}
+
 fn pair(criterion: &mut Criterion) {
     let folder = tempfile::tempdir().unwrap();
     let (gt, est) = (folder.path().join("gt.txt"), folder.path().join("est.txt"));
     std::fs::write(&gt, drive(0.0)).unwrap();
     std::fs::write(&est, drive(1e-4)).unwrap();
-    let read = |path: &Path| read_trajectory_file(path, None).unwrap();
+    let read = |path: &Path| read_trajectory(path, None).unwrap();
     let (truth, estimate) = (read(&gt), read(&est));
-    let options = EvaluationOptions::default();
     criterion.bench_function("evaluate a pair of 4541 poses in memory", |b| {
-        b.iter(|| {
-            let matched = Matched::new(&estimate, &truth, Association::Index).unwrap();
-            black_box(evaluate(&matched, &options).unwrap())
-        });
+        b.iter(|| black_box(evaluate(&estimate, &truth)));
     });
     criterion.bench_function("read and evaluate a pair of 4541 poses", |b| {
-        b.iter(|| {
-            let matched = Matched::new(&read(&est), &read(&gt), Association::Index).unwrap();
-            black_box(evaluate(&matched, &options).unwrap())
-        });
+        b.iter(|| black_box(evaluate(&read(&est), &read(&gt))));
     });
 }
 
@@ -59,9 +58,8 @@ fn tables(criterion: &mut Criterion) {
     std::fs::write(folder.path().join("suite.json"), plan.to_string()).unwrap();
     let gt = folder.path().join("gt.txt");
     std::fs::write(&gt, drive(0.0)).unwrap();
-    let truth = read_trajectory_file(&gt, None).unwrap();
-    let matched = Matched::new(&truth, &truth, Association::Index).unwrap();
-    let figures = evaluate(&matched, &EvaluationOptions::default()).unwrap().figures;
+    let truth = read_trajectory(&gt, None).unwrap();
+    let figures = evaluate(&truth, &truth);
     for run in Results::read(folder.path()).unwrap().runs {
         std::fs::create_dir_all(&run.folder).unwrap();
         let record = serde_json::json!({"id": run.id, "state": "done", "arguments": [], "wall_s": 1.0});

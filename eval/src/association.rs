@@ -4,7 +4,7 @@ use std::fmt;
 
 use anyhow::{Result, ensure};
 use geometry::SE3;
-use io::{StampedPose, Trajectory};
+use io::Trajectory;
 
 /// Tolerance of timestamps that the field uses (TUM, EuRoC), seconds.
 pub const TIMESTAMP_TOLERANCE_S: f64 = 0.01;
@@ -14,6 +14,8 @@ pub const TIMESTAMP_TOLERANCE_S: f64 = 0.01;
 pub enum Association {
     /// Pose i belongs to pose i: KITTI.
     Index,
+    /// As by index, after the estimate was laid out over the frames of the ground truth by the numbers in its file.
+    FrameNumber,
     /// The nearest timestamp, at most this many seconds away: TUM and EuRoC.
     Timestamp {
         /// Largest difference, seconds.
@@ -25,6 +27,7 @@ impl fmt::Display for Association {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Association::Index => f.write_str("by frame index"),
+            Association::FrameNumber => f.write_str("by frame number"),
             Association::Timestamp { tolerance_s } => write!(f, "nearest timestamp within {tolerance_s} s"),
         }
     }
@@ -57,37 +60,54 @@ pub struct Pairs {
 /// By index: different lengths. By timestamp: no pair within the tolerance (both time ranges are in the message).
 /// Either way: an empty trajectory.
 pub fn associate(est: &Trajectory, gt: &Trajectory, association: Association) -> Result<Pairs> {
-    ensure!(!est.poses.is_empty(), "the estimate is empty");
-    ensure!(!gt.poses.is_empty(), "the ground truth is empty");
+    let stamps = |t: &Trajectory| t.poses.iter().map(|pose| pose.timestamp_s).collect::<Vec<f64>>();
+    let pairs = match_stamps(&stamps(est), &stamps(gt), association)?;
+    Ok(Pairs {
+        est: pairs.iter().map(|&(e, _)| est.poses[e].world_from_cam).collect(),
+        gt: pairs.iter().map(|&(_, g)| gt.poses[g].world_from_cam).collect(),
+        est_indices: pairs.iter().map(|&(e, _)| e).collect(),
+        gt_indices: pairs.iter().map(|&(_, g)| g).collect(),
+        timestamps_s: pairs.iter().map(|&(e, _)| est.poses[e].timestamp_s).collect(),
+        n_est: est.poses.len(),
+        n_gt: gt.poses.len(),
+        association,
+    })
+}
+
+/// Indices (estimate, ground truth) of the poses that belong together, by their increasing stamps, in order.
+///
+/// # Errors
+/// As [`associate`].
+pub(crate) fn match_stamps(est: &[f64], gt: &[f64], association: Association) -> Result<Vec<(usize, usize)>> {
+    ensure!(!est.is_empty(), "the estimate is empty");
+    ensure!(!gt.is_empty(), "the ground truth is empty");
     match association {
-        Association::Index => by_index(est, gt),
+        Association::Index | Association::FrameNumber => by_index(est.len(), gt.len()),
         Association::Timestamp { tolerance_s } => by_timestamp(est, gt, tolerance_s),
     }
 }
 
-fn by_index(est: &Trajectory, gt: &Trajectory) -> Result<Pairs> {
-    let (n_est, n_gt) = (est.poses.len(), gt.poses.len());
+fn by_index(n_est: usize, n_gt: usize) -> Result<Vec<(usize, usize)>> {
     ensure!(
         n_est == n_gt,
         "different lengths: the estimate has {n_est} poses, the ground truth {n_gt}; matching by index needs one \
          pose per frame (fill lost frames, or put the frame number in front of the 12 values)"
     );
-    let all: Vec<(usize, usize)> = (0..n_est).map(|i| (i, i)).collect();
-    Ok(pairs(est, gt, &all, Association::Index))
+    Ok((0..n_est).map(|i| (i, i)).collect())
 }
 
-fn by_timestamp(est: &Trajectory, gt: &Trajectory, tolerance_s: f64) -> Result<Pairs> {
+fn by_timestamp(est: &[f64], gt: &[f64], tolerance_s: f64) -> Result<Vec<(usize, usize)>> {
     ensure!(
         tolerance_s.is_finite() && tolerance_s >= 0.0,
         "the tolerance must be >= 0, found {tolerance_s} s"
     );
     // As evo does: each pose of the shorter trajectory takes the nearest of the longer one.
-    let est_is_longer = est.poses.len() > gt.poses.len();
+    let est_is_longer = est.len() > gt.len();
     let (short, long) = if est_is_longer { (gt, est) } else { (est, gt) };
-    let mut matches = Vec::with_capacity(short.poses.len());
-    for (i, pose) in short.poses.iter().enumerate() {
-        let nearest = nearest_in_time(&long.poses, pose.timestamp_s);
-        if (long.poses[nearest].timestamp_s - pose.timestamp_s).abs() <= tolerance_s {
+    let mut matches = Vec::with_capacity(short.len());
+    for (i, &time_s) in short.iter().enumerate() {
+        let nearest = nearest_in_time(long, time_s);
+        if (long[nearest] - time_s).abs() <= tolerance_s {
             matches.push(if est_is_longer { (nearest, i) } else { (i, nearest) });
         }
     }
@@ -97,39 +117,25 @@ fn by_timestamp(est: &Trajectory, gt: &Trajectory, tolerance_s: f64) -> Result<P
         time_range(est),
         time_range(gt)
     );
-    Ok(pairs(est, gt, &matches, Association::Timestamp { tolerance_s }))
+    Ok(matches)
 }
 
-/// Index of the pose nearest to `time_s` (the earlier one of two that are equally near); `poses` is sorted.
-fn nearest_in_time(poses: &[StampedPose], time_s: f64) -> usize {
-    let after = poses.partition_point(|p| p.timestamp_s < time_s);
+/// Index of the time nearest to `time_s` (the earlier one of two that are equally near); `times` is sorted.
+fn nearest_in_time(times: &[f64], time_s: f64) -> usize {
+    let after = times.partition_point(|&t| t < time_s);
     if after == 0 {
         return 0;
     }
-    if after == poses.len() {
+    if after == times.len() {
         return after - 1;
     }
-    let gap_before = (time_s - poses[after - 1].timestamp_s).abs();
-    let gap_after = (poses[after].timestamp_s - time_s).abs();
+    let (gap_before, gap_after) = ((time_s - times[after - 1]).abs(), (times[after] - time_s).abs());
     if gap_before <= gap_after { after - 1 } else { after }
 }
 
-fn pairs(est: &Trajectory, gt: &Trajectory, matches: &[(usize, usize)], association: Association) -> Pairs {
-    Pairs {
-        est: matches.iter().map(|&(e, _)| est.poses[e].world_from_cam).collect(),
-        gt: matches.iter().map(|&(_, g)| gt.poses[g].world_from_cam).collect(),
-        est_indices: matches.iter().map(|&(e, _)| e).collect(),
-        gt_indices: matches.iter().map(|&(_, g)| g).collect(),
-        timestamps_s: matches.iter().map(|&(e, _)| est.poses[e].timestamp_s).collect(),
-        n_est: est.poses.len(),
-        n_gt: gt.poses.len(),
-        association,
-    }
-}
-
-fn time_range(trajectory: &Trajectory) -> String {
-    match (trajectory.poses.first(), trajectory.poses.last()) {
-        (Some(first), Some(last)) => format!("{:.3} to {:.3} s", first.timestamp_s, last.timestamp_s),
+fn time_range(times: &[f64]) -> String {
+    match (times.first(), times.last()) {
+        (Some(first), Some(last)) => format!("{first:.3} to {last:.3} s"),
         _ => "nothing".to_owned(),
     }
 }

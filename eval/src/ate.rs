@@ -1,4 +1,4 @@
-//! Absolute trajectory error: distance between estimated and true positions after alignment (metrics.md, section 2).
+//! Absolute trajectory error: distance between estimated and true positions after alignment (Sturm et al., IROS 2012).
 
 use anyhow::{Result, anyhow};
 use geometry::{SE3, Sim3};

@@ -36,8 +36,8 @@ impl Coverage {
     }
 }
 
-/// A complete trajectory out of one with gaps: a lost frame continues the last relative motion (metrics.md,
-/// section 1), frames before the first pose repeat it. The coverage says how many were filled.
+/// A complete trajectory out of one with gaps: a lost frame continues the last relative motion,
+/// frames before the first pose repeat it. The coverage says how many were filled.
 ///
 /// # Errors
 /// No frame has a pose.

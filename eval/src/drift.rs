@@ -1,4 +1,4 @@
-//! KITTI odometry drift, t_rel and r_rel: the definition of the official devkit (metrics.md, section 1).
+//! KITTI odometry drift, t_rel and r_rel: the definition of the benchmark's official devkit (Geiger et al., CVPR 2012).
 
 use anyhow::{Result, ensure};
 use geometry::SE3;

@@ -1,15 +1,16 @@
-//! All metrics of one estimate against its ground truth, as the program prints them and stores them beside a run.
+//! All metrics of one estimate against its ground truth: what a run stores as `evaluation.json`, and `eval traj` prints.
 
-use anyhow::{Result, bail};
-use geometry::{SE3, Sim3};
+use anyhow::{Result, bail, ensure};
+use geometry::{SE3, SO3, Sim3, Vec3};
+use io::{Stamps, Trajectory, TrajectoryFile};
+use nalgebra::Matrix3x4;
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::Alignment;
-use crate::association::{Association, associate};
+use crate::association::{Association, TIMESTAMP_TOLERANCE_S, match_stamps};
 use crate::ate::ate;
 use crate::coverage::{Coverage, fill_lost};
-use crate::drift::{Drift, DriftBin, KITTI_LENGTHS_M, kitti_drift, kitti_drift_sparse};
-use crate::read::{Format, TrajectoryFile};
+use crate::drift::{DriftBin, KITTI_LENGTHS_M, kitti_drift, kitti_drift_sparse, path_lengths};
 use crate::rpe::{RpeOptions, rpe};
 use crate::scale_drift::scale_drift;
 use crate::statistics::Statistics;
@@ -26,6 +27,8 @@ pub enum LostFrames {
 /// Choices of an evaluation.
 #[derive(Clone, Debug)]
 pub struct EvaluationOptions {
+    /// How poses are matched.
+    pub association: Association,
     /// Alignment before ATE, and before drift and RPE if it has a scale.
     pub alignment: Alignment,
     /// Segment lengths of the drift, metres.
@@ -34,16 +37,17 @@ pub struct EvaluationOptions {
     pub rpe: RpeOptions,
     /// Window of the scale drift, metres.
     pub scale_window_m: f64,
-    /// Frames per second of files without times, for drift by speed.
+    /// Frames per second of an estimate without times, for drift by speed.
     pub frame_rate_hz: f64,
     /// Drift at lost frames.
     pub lost: LostFrames,
 }
 
 impl Default for EvaluationOptions {
-    /// Stereo on KITTI.
+    /// Stereo: by timestamp, SE3, KITTI's segments.
     fn default() -> Self {
         EvaluationOptions {
+            association: Association::Timestamp { tolerance_s: TIMESTAMP_TOLERANCE_S },
             alignment: Alignment::Se3,
             lengths_m: KITTI_LENGTHS_M.to_vec(),
             rpe: RpeOptions::default(),
@@ -54,98 +58,72 @@ impl Default for EvaluationOptions {
     }
 }
 
-/// An estimate laid out over the poses of its ground truth.
-#[derive(Clone, Debug)]
-pub struct Matched {
-    /// Estimated pose `world_from_cam` of each pose of `gt`; `None` where the frame was lost.
-    pub est: Vec<Option<SE3>>,
-    /// Ground truth `world_from_cam`.
-    pub gt: Vec<SE3>,
-    /// Time of each pose of `gt`, seconds; `None` for KITTI files, which count frames.
-    pub times_s: Option<Vec<f64>>,
-    /// How they were matched, in words.
-    pub association: String,
-    /// Poses in the estimate's file.
-    pub n_est: usize,
-    /// Poses in the ground truth's file.
-    pub n_gt: usize,
+/// An estimated trajectory, frame by frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Time of each frame, seconds; its number where there are no times. Increasing.
+    pub stamps: Vec<f64>,
+    /// Whether `stamps` are times.
+    pub has_times: bool,
+    /// Pose `world_from_cam` of each frame; `None` where the frame was lost.
+    pub poses: Vec<Option<SE3>>,
 }
 
-impl Matched {
-    /// Matches two files. KITTI by frame: every true pose is kept. By time: the true poses that have a partner.
+impl Estimate {
+    /// Frames with their times, seconds, and their poses `world_from_cam`, `None` where a frame was lost.
+    pub fn new(frames: impl IntoIterator<Item = (f64, Option<SE3>)>) -> Estimate {
+        let (stamps, poses) = frames.into_iter().unzip();
+        Estimate { stamps, has_times: true, poses }
+    }
+
+    /// A file: a frame per pose.
+    pub fn of_file(file: &TrajectoryFile) -> Estimate {
+        let poses = &file.trajectory.poses;
+        let all = Estimate::new(poses.iter().map(|p| (p.timestamp_s, Some(p.world_from_cam))));
+        Estimate { has_times: file.stamps == Stamps::Times, ..all }
+    }
+
+    /// A file with frame numbers: the frames of `truth`, lost where the file has no pose.
     ///
     /// # Errors
-    /// As [`associate`]; or a KITTI file against a file with times and no `association` to say how.
-    pub fn new(est: &TrajectoryFile, gt: &TrajectoryFile, association: Association) -> Result<Matched> {
-        let by_frame = est.format == Format::Kitti && gt.format == Format::Kitti;
-        if association == Association::Index && by_frame && est.has_frame_numbers {
-            return Matched::by_frame_number(est, gt);
-        }
-        let times_differ = (est.format == Format::Kitti) != (gt.format == Format::Kitti);
-        if times_differ && association != Association::Index {
-            bail!(
-                "a KITTI file has no timestamps: match by index, or give both files in a format with times"
-            );
-        }
-        let pairs = associate(&est.trajectory, &gt.trajectory, association)?;
-        Ok(Matched {
-            est: pairs.est.iter().copied().map(Some).collect(),
-            gt: pairs.gt,
-            times_s: (est.format != Format::Kitti).then_some(pairs.timestamps_s),
-            association: association.to_string(),
-            n_est: pairs.n_est,
-            n_gt: pairs.n_gt,
-        })
-    }
-
-    fn by_frame_number(est: &TrajectoryFile, gt: &TrajectoryFile) -> Result<Matched> {
-        let n_gt = gt.trajectory.poses.len();
-        let mut sparse = vec![None; n_gt];
-        for pose in &est.trajectory.poses {
-            let frame = pose.timestamp_s as usize;
-            match sparse.get_mut(frame) {
-                Some(slot) => *slot = Some(pose.world_from_cam),
-                None => {
-                    bail!("the estimate has a frame {frame}, the ground truth ends at frame {}", n_gt - 1)
-                }
+    /// A frame that `truth` does not have.
+    pub fn of_numbered_file(file: &TrajectoryFile, truth: &Trajectory) -> Result<Estimate> {
+        let stamps: Vec<f64> = truth.poses.iter().map(|pose| pose.timestamp_s).collect();
+        let mut poses = vec![None; stamps.len()];
+        for pose in &file.trajectory.poses {
+            let frame = pose.timestamp_s;
+            match stamps.binary_search_by(|stamp| stamp.total_cmp(&frame)) {
+                Ok(at) => poses[at] = Some(pose.world_from_cam),
+                Err(_) => bail!(
+                    "the estimate has a frame {frame} that the ground truth, which ends at frame {}, does not have",
+                    stamps.last().copied().unwrap_or_default()
+                ),
             }
         }
-        Ok(Matched {
-            est: sparse,
-            gt: gt.trajectory.poses.iter().map(|p| p.world_from_cam).collect(),
-            times_s: None,
-            association: "by frame number".to_owned(),
-            n_est: est.trajectory.poses.len(),
-            n_gt,
-        })
-    }
-
-    /// Frames with a pose, and the true poses there.
-    pub fn tracked(&self) -> (Vec<SE3>, Vec<SE3>) {
-        self.est.iter().zip(&self.gt).filter_map(|(e, g)| e.map(|e| (e, *g))).unzip()
-    }
-
-    /// Whether each true pose has an estimate.
-    pub fn coverage(&self) -> Coverage {
-        Coverage::of(&self.est.iter().map(Option::is_some).collect::<Vec<_>>())
+        Ok(Estimate { stamps, has_times: false, poses })
     }
 }
 
 /// Figures of one estimate; `None` where one is not defined (no segment long enough, too few poses).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
+    /// Whose poses were compared, where a run knows it: `left camera` or `body`.
+    #[serde(default)]
+    pub compared: Option<String>,
     /// What was aligned.
     pub alignment: Alignment,
     /// How poses were matched.
     pub association: String,
     /// Poses of the estimate that were compared.
     pub n_used: usize,
-    /// Poses in the estimate's file.
+    /// Poses of the estimate.
     pub n_est: usize,
-    /// Poses in the ground truth's file.
+    /// Poses of the ground truth.
     pub n_gt: usize,
     /// Scale of the alignment (1 without).
     pub scale: f64,
+    /// The alignment: ground-truth world from the estimate's, rotation times scale and translation as a 3x4 matrix, row by row.
+    pub gt_from_est: [f64; 12],
     /// Absolute trajectory error, metres.
     pub ate_m: Statistics,
     /// Mean translation error of KITTI's segments, percent.
@@ -170,76 +148,151 @@ pub struct Evaluation {
     pub rpe_deg: Option<Statistics>,
     /// Change of scale, percent per 100 m.
     pub scale_drift_percent_per_100m: Option<f64>,
-    /// Tracked and lost frames (files with times: of the matched poses only, none of which can be lost).
+    /// Length of the true path over the frames that were compared, metres.
+    pub path_m: f64,
+    /// Distance from the true to the estimated last position when the first poses are laid on each other, metres.
+    pub end_error_m: f64,
+    /// Tracked and lost frames (files with times do not tell of lost ones).
     pub coverage: Coverage,
-    /// Files with times: poses of the estimate without a true pose in time.
-    #[serde(default)]
+    /// Poses of the estimate without a true pose.
     pub n_unmatched: usize,
-    /// Files with times: longest time between matched poses, seconds; lost frames show here.
-    #[serde(default)]
+    /// Estimates with times: longest time between matched poses, seconds; lost frames show here.
     pub longest_gap_s: Option<f64>,
+    /// What was compared, for figures; not stored.
+    #[serde(skip)]
+    pub matched: Matched,
 }
 
-/// The figures together with what plots need.
-#[derive(Clone, Debug)]
-pub struct Evaluated {
-    /// The figures.
-    pub figures: Evaluation,
-    /// Alignment: ground-truth world from estimate's world.
-    pub gt_from_est: Sim3,
-    /// The drift with its segments.
-    pub drift: Drift,
+/// An estimate laid out over the poses of its ground truth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Matched {
+    /// Estimated pose `world_from_cam` of each pose of `gt`; `None` where the frame was lost.
+    pub est: Vec<Option<SE3>>,
+    /// Ground truth `world_from_cam`.
+    pub gt: Vec<SE3>,
 }
 
-/// All metrics of a matched estimate.
-///
-/// # Errors
-/// The alignment is not determined, or an option has no meaning (see the single metrics).
-pub fn evaluate(matched: &Matched, options: &EvaluationOptions) -> Result<Evaluated> {
-    let (est, gt) = matched.tracked();
-    let absolute = ate(&est, &gt, options.alignment)?;
-    // A rigid motion does not change drift and RPE (and is left out, so that files count as they are); a scale does.
-    let has_scale = options.alignment == Alignment::Sim3;
-    let moved = |pose: &SE3| if has_scale { absolute.aligned(&[*pose])[0] } else { *pose };
-    let sparse: Vec<Option<SE3>> = matched.est.iter().map(|pose| pose.as_ref().map(moved)).collect();
-    let drift = match options.lost {
-        LostFrames::Fill => kitti_drift(&fill_lost(&sparse)?.0, &matched.gt, &options.lengths_m)?,
-        LostFrames::Skip => kitti_drift_sparse(&sparse, &matched.gt, &options.lengths_m)?,
+impl Evaluation {
+    /// Compares an estimate with the poses `world_from_cam` of `truth`, both of the same body.
+    ///
+    /// ```
+    /// use dsslam_eval::{Estimate, Evaluation, EvaluationOptions};
+    /// # use geometry::{SE3, SO3, Vec3};
+    /// # use io::{StampedPose, Trajectory};
+    /// # let pose = |i: u32| SE3::new(SO3::identity(), Vec3::new(0.1 * f64::from(i * i), 0.0, f64::from(i)));
+    /// # let stamped = |i: u32| StampedPose { timestamp_s: f64::from(i), world_from_cam: pose(i) };
+    /// # let truth = Trajectory { poses: (0..20).map(stamped).collect() };
+    /// // The third frame was lost.
+    /// let estimate = Estimate::new((0..20).map(|i| (f64::from(i), (i != 2).then(|| pose(i)))));
+    /// let found = Evaluation::of(&estimate, &truth, &EvaluationOptions::default())?;
+    /// assert!(found.ate_m.rmse < 1e-9 && found.coverage.n_lost == 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// No frame with a pose, nothing that matches, an alignment that is not determined, or an option without a meaning (see the
+    /// single metrics).
+    pub fn of(estimate: &Estimate, truth: &Trajectory, options: &EvaluationOptions) -> Result<Evaluation> {
+        ensure!(!estimate.poses.is_empty(), "the estimate is empty");
+        let (filled, coverage) = fill_lost(&estimate.poses)?;
+        let stamps: Vec<f64> = truth.poses.iter().map(|pose| pose.timestamp_s).collect();
+        let pairs = match_stamps(&estimate.stamps, &stamps, options.association)?;
+        let matched = Matched::new(estimate, truth, &pairs);
+        let (est, gt) = matched.tracked();
+        let absolute = ate(&est, &gt, options.alignment)?;
+        // A rigid motion does not change drift and RPE (and is left out, so that files count as they are); a scale does.
+        let has_scale = options.alignment == Alignment::Sim3;
+        let moved = |poses: &[SE3]| if has_scale { absolute.aligned(poses) } else { poses.to_vec() };
+        let complete = moved(&pairs.iter().map(|&(e, _)| filled[e]).collect::<Vec<_>>());
+        let drift = match options.lost {
+            LostFrames::Fill => kitti_drift(&complete, &matched.gt, &options.lengths_m)?,
+            LostFrames::Skip => {
+                let of_frame = |(pose, found): (&SE3, &Option<SE3>)| found.map(|_| *pose);
+                let sparse: Vec<Option<SE3>> = complete.iter().zip(&matched.est).map(of_frame).collect();
+                kitti_drift_sparse(&sparse, &matched.gt, &options.lengths_m)?
+            }
+        };
+        let times_s: Vec<f64> = match estimate.has_times {
+            true => pairs.iter().map(|&(e, _)| estimate.stamps[e]).collect(),
+            false => (0..pairs.len()).map(|frame| frame as f64 / options.frame_rate_hz).collect(),
+        };
+        let moved = moved(&est);
+        let relative = rpe(&moved, &gt, &options.rpe).ok();
+        let n_est = estimate.poses.iter().flatten().count();
+        Ok(Evaluation {
+            compared: None,
+            alignment: options.alignment,
+            association: options.association.to_string(),
+            n_used: est.len(),
+            n_est,
+            n_gt: truth.poses.len(),
+            scale: absolute.gt_from_est.scale,
+            gt_from_est: rows(&absolute.gt_from_est),
+            ate_m: absolute.statistics(),
+            t_rel_percent: drift.t_rel_percent,
+            r_rel_deg_per_100m: drift.r_rel_deg_per_100m,
+            t_rms_percent: drift.rms,
+            t_std_percent: drift.std,
+            n_segments: drift.n_segments,
+            n_segments_skipped: drift.n_without_estimate,
+            per_speed: drift.per_speed(&times_s),
+            per_length: drift.per_length,
+            rpe_m: relative.as_ref().map(|r| r.translation),
+            rpe_deg: relative.as_ref().map(|r| r.rotation_deg),
+            scale_drift_percent_per_100m: scale_drift(&est, &gt, options.scale_window_m)
+                .ok()
+                .map(|s| s.percent_per_100m),
+            path_m: path_lengths(&matched.gt).last().copied().unwrap_or_default(),
+            end_error_m: end_error(&moved, &gt),
+            coverage,
+            n_unmatched: n_est - est.len(),
+            longest_gap_s: if estimate.has_times { matched.longest_gap_s(&times_s) } else { None },
+            matched,
+        })
+    }
+
+    /// [`Evaluation::end_error_m`] in percent of the path; `None` for a camera that stood still.
+    pub fn end_error_percent(&self) -> Option<f64> {
+        (self.path_m > 0.0).then(|| 100.0 * self.end_error_m / self.path_m)
+    }
+
+    /// A position of the estimate in the ground truth's world, metres.
+    pub fn aligned(&self, position: &Vec3) -> Vec3 {
+        Matrix3x4::from_row_slice(&self.gt_from_est) * position.push(1.0)
+    }
+}
+
+impl Matched {
+    fn new(estimate: &Estimate, truth: &Trajectory, pairs: &[(usize, usize)]) -> Matched {
+        Matched {
+            est: pairs.iter().map(|&(e, _)| estimate.poses[e]).collect(),
+            gt: pairs.iter().map(|&(_, g)| truth.poses[g].world_from_cam).collect(),
+        }
+    }
+
+    /// Frames with a pose, and the true poses there.
+    fn tracked(&self) -> (Vec<SE3>, Vec<SE3>) {
+        self.est.iter().zip(&self.gt).filter_map(|(e, g)| e.map(|e| (e, *g))).unzip()
+    }
+
+    /// Longest time between frames with a pose.
+    fn longest_gap_s(&self, times_s: &[f64]) -> Option<f64> {
+        let tracked = self.est.iter().zip(times_s).filter_map(|(pose, time)| pose.map(|_| *time));
+        let tracked: Vec<f64> = tracked.collect();
+        tracked.windows(2).map(|t| t[1] - t[0]).max_by(f64::total_cmp)
+    }
+}
+
+fn rows(gt_from_est: &Sim3) -> [f64; 12] {
+    let scaled = gt_from_est.rotation.matrix() * gt_from_est.scale;
+    SE3::new(SO3::from_matrix_unchecked(scaled), gt_from_est.translation).rows_3x4()
+}
+
+/// Distance between the last positions, each seen from its own first pose.
+fn end_error(est: &[SE3], gt: &[SE3]) -> f64 {
+    let last_seen_from_first = |poses: &[SE3]| match (poses.first(), poses.last()) {
+        (Some(first), Some(last)) => first.inverse() * last.translation,
+        _ => Vec3::zeros(),
     };
-    let seconds = matched
-        .times_s
-        .clone()
-        .unwrap_or_else(|| (0..matched.gt.len()).map(|frame| frame as f64 / options.frame_rate_hz).collect());
-    let moved_est: Vec<SE3> = est.iter().map(moved).collect();
-    let relative = rpe(&moved_est, &gt, &options.rpe).ok();
-    let figures = Evaluation {
-        alignment: options.alignment,
-        association: matched.association.clone(),
-        n_used: est.len(),
-        n_est: matched.n_est,
-        n_gt: matched.n_gt,
-        scale: absolute.gt_from_est.scale,
-        ate_m: absolute.statistics(),
-        t_rel_percent: drift.t_rel_percent,
-        r_rel_deg_per_100m: drift.r_rel_deg_per_100m,
-        t_rms_percent: drift.rms,
-        t_std_percent: drift.std,
-        n_segments: drift.n_segments,
-        n_segments_skipped: drift.n_without_estimate,
-        per_length: drift.per_length.clone(),
-        per_speed: drift.per_speed(&seconds),
-        rpe_m: relative.as_ref().map(|r| r.translation),
-        rpe_deg: relative.as_ref().map(|r| r.rotation_deg),
-        scale_drift_percent_per_100m: scale_drift(&est, &gt, options.scale_window_m)
-            .ok()
-            .map(|s| s.percent_per_100m),
-        coverage: matched.coverage(),
-        n_unmatched: matched.n_est.saturating_sub(est.len()),
-        longest_gap_s: matched.times_s.as_deref().and_then(longest_gap),
-    };
-    Ok(Evaluated { figures, gt_from_est: absolute.gt_from_est, drift })
-}
-
-fn longest_gap(times_s: &[f64]) -> Option<f64> {
-    times_s.windows(2).map(|t| t[1] - t[0]).max_by(f64::total_cmp)
+    (last_seen_from_first(est) - last_seen_from_first(gt)).norm()
 }

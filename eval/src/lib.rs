@@ -1,6 +1,6 @@
 //! Metrics, tables and plots of trajectories: by what this field judges a run, computed to the letter of its definitions.
 //!
-//! Start reading at [`kitti_drift`] (t_rel, r_rel) and [`ate()`](fn@ate); [`associate`] brings two files together.
+//! Start reading at [`Evaluation::of`], the one evaluator, and at its [`kitti_drift`] (t_rel, r_rel) and [`ate()`](fn@ate).
 //! Poses are `world_from_cam`, lengths metres.
 
 pub mod alignment;
@@ -16,7 +16,6 @@ pub mod figures;
 pub mod loops;
 pub mod plot;
 pub mod precision_recall;
-pub mod read;
 pub mod report;
 pub mod rpe;
 pub mod scale_drift;
@@ -31,10 +30,9 @@ pub use coverage::{Coverage, fill_lost};
 pub use drift::{
     Drift, DriftBin, DriftOfSequences, KITTI_LENGTHS_M, Segment, kitti_drift, kitti_drift_sparse, pool_drift,
 };
-pub use evaluation::{Evaluated, Evaluation, EvaluationOptions, LostFrames, Matched, evaluate};
+pub use evaluation::{Estimate, Evaluation, EvaluationOptions, LostFrames, Matched};
 pub use loops::{LoopScore, LoopTruth, SamePlace, score_loops};
 pub use precision_recall::{Detection, PrecisionRecall, PrecisionRecallCurve, precision_recall};
-pub use read::{Format, TrajectoryFile, read_trajectory_file};
 pub use rpe::{DeltaUnit, PairMode, RpeOptions, RpeReport, rpe};
 pub use scale_drift::{ScaleDrift, ScaleWindow, scale_drift};
 pub use statistics::Statistics;

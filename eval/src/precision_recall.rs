@@ -1,4 +1,4 @@
-//! Precision-recall curve and its area for place recognition (metrics.md, section 3).
+//! Precision-recall curve and its area for place recognition (as the DSFeat paper's second table).
 
 use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};

@@ -3,105 +3,18 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use common::fixture;
 use dsslam_eval::{
-    Alignment, Association, EvaluationOptions, Format, KITTI_LENGTHS_M, Matched, associate, ate, evaluate,
-    kitti_drift, read_trajectory_file,
+    Alignment, Association, Estimate, Evaluation, EvaluationOptions, KITTI_LENGTHS_M, associate, ate,
+    kitti_drift,
 };
 use geometry::{SE3, SO3, Vec3};
-use io::Trajectory;
-
-const ROW: &str = "1 0 0 0 0 1 0 0 0 0 1 0";
-
-/// The message of reading a file with this text; its path replaced by FILE.
-fn message(text: &str) -> String {
-    message_as(text, None)
-}
-
-fn message_as(text: &str, format: Option<Format>) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("poses.txt");
-    std::fs::write(&path, text).unwrap();
-    let error = read_trajectory_file(&path, format).unwrap_err();
-    format!("{error:#}").replace(&path.display().to_string(), "FILE")
-}
+use io::{Trajectory, read_trajectory};
 
 fn trajectory(path: &Path) -> Trajectory {
-    read_trajectory_file(path, None).unwrap().trajectory
-}
-
-#[test]
-fn files_that_hold_nothing() {
-    assert_eq!(message(""), "FILE: the file is empty");
-    assert_eq!(message("# only a comment\n\n"), "FILE: the file is empty");
-    assert_eq!(message_as("", Some(Format::Tum)), "FILE: the file is empty");
-    let error = read_trajectory_file(&PathBuf::from("/nowhere/poses.txt"), None).unwrap_err();
-    assert_eq!(
-        format!("{error:#}"),
-        "cannot read /nowhere/poses.txt: No such file or directory (os error 2)"
-    );
-}
-
-#[test]
-fn rows_of_the_wrong_length() {
-    let eleven = "1 0 0 0 0 1 0 0 0 0 1";
-    let formats = "expected 12 (KITTI; 13 with the frame number in front), 8 (TUM) or values separated by commas (EuRoC)";
-    assert_eq!(message(eleven), format!("FILE:1: found 11 numbers; {formats}"));
-    assert_eq!(
-        message(&format!("{ROW}\n{eleven}\n")),
-        "FILE:2: found 11 numbers, expected 12 (the 3x4 pose, row by row)"
-    );
-    assert_eq!(
-        message(&format!("5 {ROW}\n{ROW}\n")),
-        "FILE:2: found 12 numbers, expected 13 (frame number and 3x4 pose)"
-    );
-    assert_eq!(
-        message("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n"),
-        "FILE:2: found 7 numbers, expected 8 (timestamp tx ty tz qx qy qz qw)"
-    );
-    assert_eq!(
-        message("1000,0,0,0,1,0,0\n"),
-        "FILE:1: found 7 fields, expected at least 8 (ns, px, py, pz, qw, qx, qy, qz)"
-    );
-}
-
-#[test]
-fn values_that_are_no_numbers() {
-    assert_eq!(message(&ROW.replacen('1', "nan", 1)), "FILE:1: found nan, expected a finite number");
-    assert_eq!(message(&ROW.replacen('1', "inf", 1)), "FILE:1: found inf, expected a finite number");
-    assert_eq!(message(&ROW.replacen('1', "one", 1)), "FILE:1: found 'one', expected a number");
-    assert_eq!(message("1 0 0 NaN 0 0 0 1"), "FILE:1: found NaN, expected a finite number");
-    assert_eq!(message("1.5,0,0,0,1,0,0,0"), "FILE:1: found '1.5', expected whole nanoseconds");
-    assert_eq!(message(&format!("1.5 {ROW}")), "FILE:1: 1.5 is no frame number");
-}
-
-#[test]
-fn rotations_that_are_none() {
-    assert_eq!(
-        message(&ROW.replacen('1', "2", 1)),
-        "FILE:1: the first three columns are no rotation (R^T R differs from the identity by 3.000)"
-    );
-    let mirrored = ROW.replacen('1', "-1", 1);
-    assert!(message(&mirrored).starts_with("FILE:1: the first three columns are no rotation"));
-    assert_eq!(message("1 0 0 0 0 0 0 0.5"), "FILE:1: the quaternion has length 0.500000, expected 1");
-}
-
-#[test]
-fn times_that_do_not_increase() {
-    let tum = |t: f64| format!("{t} 0 0 0 0 0 0 1\n");
-    assert_eq!(
-        message(&(tum(2.0) + &tum(1.5))),
-        "FILE:2: timestamps are not increasing: 1.500000 s after 2.000000 s"
-    );
-    assert_eq!(message(&format!("5 {ROW}\n5 {ROW}\n")), "FILE:2: frame number 5 after 5 does not increase");
-    // Equal times happen in published ground truth: the first row counts, and the reader says how many it left out.
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.txt");
-    std::fs::write(&path, tum(1.0) + &tum(1.0) + &tum(2.0)).unwrap();
-    let file = read_trajectory_file(&path, None).unwrap();
-    assert_eq!((file.trajectory.poses.len(), file.n_repeated_times), (2, 1));
+    read_trajectory(path, None).unwrap().trajectory
 }
 
 #[test]
@@ -143,19 +56,27 @@ fn no_overlap_in_time() {
 }
 
 #[test]
-fn files_that_do_not_belong_together() {
-    let kitti = read_trajectory_file(&fixture("kitti_est.txt"), None).unwrap();
-    let tum = read_trajectory_file(&fixture("tum_gt.txt"), None).unwrap();
-    assert_eq!(
-        Matched::new(&kitti, &tum, Association::Timestamp { tolerance_s: 0.01 }).unwrap_err().to_string(),
-        "a KITTI file has no timestamps: match by index, or give both files in a format with times"
-    );
-    let mut numbered = read_trajectory_file(&fixture("kitti_est_numbered.txt"), None).unwrap();
+fn frames_that_the_ground_truth_does_not_have() {
+    let kitti = trajectory(&fixture("kitti_est.txt"));
+    let mut numbered = read_trajectory(&fixture("kitti_est_numbered.txt"), None).unwrap();
     numbered.trajectory.poses.last_mut().unwrap().timestamp_s = 400.0;
     assert_eq!(
-        Matched::new(&numbered, &kitti, Association::Index).unwrap_err().to_string(),
-        "the estimate has a frame 400, the ground truth ends at frame 299"
+        Estimate::of_numbered_file(&numbered, &kitti).unwrap_err().to_string(),
+        "the estimate has a frame 400 that the ground truth, which ends at frame 299, does not have"
     );
+}
+
+#[test]
+fn nothing_that_could_be_evaluated() {
+    let gt = trajectory(&fixture("tum_gt.txt"));
+    let message = |estimate: Estimate| {
+        Evaluation::of(&estimate, &gt, &EvaluationOptions::default()).unwrap_err().to_string()
+    };
+    assert_eq!(message(Estimate::new([])), "the estimate is empty");
+    assert_eq!(message(Estimate::new([(1.0, None), (2.0, None)])), "none of the 2 frames has a pose");
+    let stamps = gt.poses.iter().enumerate();
+    let two = stamps.map(|(i, pose)| (pose.timestamp_s, (i < 2).then_some(pose.world_from_cam)));
+    assert_eq!(message(Estimate::new(two)), "alignment SE3 needs at least 3 matched poses, found 2");
 }
 
 #[test]
@@ -176,11 +97,13 @@ fn positions_that_determine_no_alignment() {
 /// No error but figures without a value, which the program prints as "not defined".
 #[test]
 fn no_segment_long_enough() {
-    let tum = read_trajectory_file(&fixture("tum_gt.txt"), None).unwrap();
-    let matched = Matched::new(&tum, &tum, Association::Timestamp { tolerance_s: 0.01 }).unwrap();
-    let figures = evaluate(&matched, &EvaluationOptions::default()).unwrap().figures;
-    assert_eq!((figures.t_rel_percent, figures.r_rel_deg_per_100m, figures.n_segments), (None, None, 0));
-    assert_eq!(figures.scale_drift_percent_per_100m, None);
+    let tum = read_trajectory(&fixture("tum_gt.txt"), None).unwrap();
+    let evaluate = |options: &EvaluationOptions| {
+        Evaluation::of(&Estimate::of_file(&tum), &tum.trajectory, options).unwrap()
+    };
+    let found = evaluate(&EvaluationOptions::default());
+    assert_eq!((found.t_rel_percent, found.r_rel_deg_per_100m, found.n_segments), (None, None, 0));
+    assert_eq!(found.scale_drift_percent_per_100m, None);
     let shorter = EvaluationOptions { lengths_m: vec![5.0], ..EvaluationOptions::default() };
-    assert!(evaluate(&matched, &shorter).unwrap().figures.t_rel_percent.is_some());
+    assert!(evaluate(&shorter).t_rel_percent.is_some());
 }

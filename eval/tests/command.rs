@@ -87,7 +87,7 @@ fn messages_name_the_files() {
     assert_eq!(
         message(&["traj", &est, &gt]),
         format!(
-            "cannot match {est} with {gt}: a KITTI file has no timestamps: match by index, or give both files in a format \
+            "cannot compare {est} with {gt}: a KITTI file has no timestamps: match by index, or give both files in a format \
              with times"
         )
     );

@@ -12,9 +12,7 @@ use std::path::Path;
 use std::process::Command;
 
 use common::{fixture, pairs, published};
-use dsslam_eval::{
-    Alignment, Drift, KITTI_LENGTHS_M, ate, kitti_drift, kitti_drift_sparse, read_trajectory_file,
-};
+use dsslam_eval::{Alignment, Drift, KITTI_LENGTHS_M, ate, kitti_drift, kitti_drift_sparse};
 use geometry::{SE3, SO3};
 
 const TOLERANCE: f64 = 1e-9;
@@ -39,7 +37,7 @@ fn plain(gt: &Path, est: &Path, lengths: &[f64]) -> Line {
     let drift = if pairs.n_est == pairs.n_gt {
         kitti_drift(&pairs.est, &pairs.gt, lengths).unwrap()
     } else {
-        let truth = read_trajectory_file(gt, None).unwrap().trajectory;
+        let truth = io::read_trajectory(gt, None).unwrap().trajectory;
         let all: Vec<SE3> = truth.poses.iter().map(|p| p.world_from_cam).collect();
         let mut sparse = vec![None; all.len()];
         for (&i, pose) in pairs.gt_indices.iter().zip(&pairs.est) {
@@ -53,7 +51,7 @@ fn plain(gt: &Path, est: &Path, lengths: &[f64]) -> Line {
 /// As monocular tables do: both trajectories seen from their first common frame, then Sim3, then the drift.
 fn after_sim3(gt: &Path, est: &Path) -> Line {
     let pairs = pairs(gt, est);
-    let truth = read_trajectory_file(gt, None).unwrap().trajectory;
+    let truth = io::read_trajectory(gt, None).unwrap().trajectory;
     let all: Vec<SE3> = truth.poses.iter().map(|p| p.world_from_cam).collect();
     let all = seen_from(&pairs.gt[0], &all);
     let est = seen_from(&pairs.est[0], &pairs.est);

@@ -22,6 +22,9 @@ pub struct InputOptions {
     pub sensor: Option<Sensor>,
     /// Calibration file of the cameras; `None`: the one in the folder, if there is one.
     pub calibration: Option<PathBuf>,
+    /// Ground truth, in any format of [`io::read_trajectory`] and of the same body as the dataset's own (KITTI: camera 0); `None`:
+    /// the dataset's own, if there is one. Not for videos.
+    pub ground_truth: Option<PathBuf>,
     /// Number of frames after which the run ends; `None`: all.
     pub max_frames: Option<usize>,
 }
@@ -55,6 +58,7 @@ impl Input {
             association_tolerance_s: config.input.association_tolerance_s,
             calibration: options.calibration.clone(),
             frame_rate_hz: config.camera.fps,
+            ground_truth: options.ground_truth.clone(),
         };
         let max_frames = options.max_frames;
         if video::is_video(path) || video::is_camera(path) {

@@ -28,7 +28,7 @@ pub use images::{
     load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
 };
 pub use trajectory::{
-    StampedPose, Trajectory, TrajectoryFormat, read_euroc, read_kitti_poses, read_trajectory, read_tum,
-    write_euroc, write_kitti, write_tum,
+    StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory, write_euroc,
+    write_kitti, write_tum,
 };
 pub use video::{VideoError, VideoFrame, VideoHeader, VideoReader};

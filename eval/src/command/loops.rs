@@ -8,7 +8,7 @@ use clap::Args;
 use super::out::say;
 use crate::detections::detections_csv;
 use crate::plot::{PrecisionRecallFigure, save};
-use crate::{Detection, LoopTruth, SamePlace, precision_recall, read_trajectory_file, score_loops};
+use crate::{Detection, LoopTruth, SamePlace, precision_recall, score_loops};
 
 pub(super) const HELP: &str = "\
 DETECTIONS: a line per detection, 'query,answer' or 'query,answer,score' (frame numbers; a smaller score is better: the mean
@@ -100,7 +100,7 @@ fn truth(args: &LoopsArgs) -> Result<LoopTruth> {
         return LoopTruth::from_matrix_text(&text).with_context(|| format!("{}", path.display()));
     }
     let Some(path) = &args.poses else { bail!("give --matrix or --poses") };
-    let trajectory = read_trajectory_file(path, None)?.trajectory;
+    let trajectory = io::read_trajectory(path, None)?.trajectory;
     let poses: Vec<_> = trajectory.poses.iter().map(|p| p.world_from_cam).collect();
     let same = SamePlace { radius_m: args.radius, max_angle_deg: args.max_angle, min_gap: args.min_gap };
     Ok(LoopTruth::from_poses(&poses, &same))

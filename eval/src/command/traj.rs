@@ -1,16 +1,16 @@
 //! `dsslam eval traj`: two files in, all figures out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use io::{Stamps, TrajectoryFile, TrajectoryFormat, read_trajectory};
 
 use super::out::say;
-use crate::evaluation::{Evaluated, EvaluationOptions, LostFrames, Matched, evaluate};
 use crate::plot::{self, DriftAxis, DriftFigure, ErrorFigure, TrajectoryFigure, View};
 use crate::{
-    Alignment, Association, DeltaUnit, Format, KITTI_LENGTHS_M, PairMode, RpeOptions, Statistics,
-    TIMESTAMP_TOLERANCE_S, TrajectoryFile, apply_alignment, read_trajectory_file,
+    Alignment, Association, DeltaUnit, Estimate, Evaluation, EvaluationOptions, KITTI_LENGTHS_M, LostFrames,
+    PairMode, RpeOptions, Statistics, TIMESTAMP_TOLERANCE_S,
 };
 
 pub(super) const EXAMPLES: &str = "\
@@ -30,10 +30,10 @@ pub(super) struct TrajArgs {
     gt: PathBuf,
     /// Format of both files; by default their first line decides.
     #[arg(long, value_enum)]
-    format: Option<Format>,
+    format: Option<FormatArg>,
     /// Format of the ground truth where it differs.
     #[arg(long, value_enum)]
-    gt_format: Option<Format>,
+    gt_format: Option<FormatArg>,
     /// What is aligned before ATE; sim3 for monocular estimates.
     #[arg(long, value_enum, default_value = "se3")]
     align: Alignment,
@@ -78,11 +78,57 @@ enum AssociateArg {
     Time,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum FormatArg {
+    /// 12 numbers a line (3x4 of world_from_cam), one line per frame; or 13 with a frame number or time in front.
+    Kitti,
+    /// 8 numbers a line: seconds, position, quaternion x y z w.
+    Tum,
+    /// Comma separated: nanoseconds, position, quaternion w x y z, anything more.
+    Euroc,
+}
+
+impl From<FormatArg> for TrajectoryFormat {
+    fn from(format: FormatArg) -> Self {
+        match format {
+            FormatArg::Kitti => TrajectoryFormat::Kitti,
+            FormatArg::Tum => TrajectoryFormat::Tum,
+            FormatArg::Euroc => TrajectoryFormat::Euroc,
+        }
+    }
+}
+
 pub(super) fn run(args: &TrajArgs) -> Result<()> {
-    let est = read_trajectory_file(&args.est, args.format)?;
-    let gt = read_trajectory_file(&args.gt, args.gt_format.or(args.format))?;
-    let matched = Matched::new(&est, &gt, association(args, &est, &gt))
-        .with_context(|| format!("cannot match {} with {}", args.est.display(), args.gt.display()))?;
+    let est = read_trajectory(&args.est, args.format.map(Into::into))?;
+    let gt = read_trajectory(&args.gt, args.gt_format.or(args.format).map(Into::into))?;
+    let evaluation = evaluate(args, &est, &gt)
+        .with_context(|| format!("cannot compare {} with {}", args.est.display(), args.gt.display()))?;
+    if args.json {
+        say(serde_json::to_string_pretty(&evaluation)?)?;
+    } else {
+        print_files(args, &est, &gt)?;
+        say(text(&evaluation, args))?;
+    }
+    if let Some(folder) = &args.plots {
+        write_plots(folder, args, &evaluation)?;
+    }
+    Ok(())
+}
+
+/// Matches the files as their stamps allow, and compares them.
+fn evaluate(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) -> Result<Evaluation> {
+    let has_times = |file: &TrajectoryFile| file.stamps == Stamps::Times;
+    if args.associate != Some(AssociateArg::Index) && has_times(est) != has_times(gt) {
+        bail!("a KITTI file has no timestamps: match by index, or give both files in a format with times");
+    }
+    let by_time = args.associate.map_or(has_times(est), |by| by == AssociateArg::Time);
+    let (estimate, association) = if by_time {
+        (Estimate::of_file(est), Association::Timestamp { tolerance_s: args.tolerance })
+    } else if est.stamps == Stamps::FrameNumbers && !has_times(gt) {
+        (Estimate::of_numbered_file(est, &gt.trajectory)?, Association::FrameNumber)
+    } else {
+        (Estimate::of_file(est), Association::Index)
+    };
     let rpe = RpeOptions {
         delta: args.rpe_delta,
         unit: args.rpe_unit,
@@ -90,6 +136,7 @@ pub(super) fn run(args: &TrajArgs) -> Result<()> {
         ..RpeOptions::default()
     };
     let options = EvaluationOptions {
+        association,
         alignment: args.align,
         lengths_m: args.lengths.clone(),
         rpe,
@@ -97,26 +144,7 @@ pub(super) fn run(args: &TrajArgs) -> Result<()> {
         frame_rate_hz: args.frame_rate,
         lost: args.lost,
     };
-    let evaluated = evaluate(&matched, &options)?;
-    if args.json {
-        say(serde_json::to_string_pretty(&evaluated.figures)?)?;
-    } else {
-        print_files(args, &est, &gt)?;
-        say(text(&evaluated, &options))?;
-    }
-    if let Some(folder) = &args.plots {
-        write_plots(folder, args, &matched, &evaluated)?;
-    }
-    Ok(())
-}
-
-fn association(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) -> Association {
-    let by_frame = est.format == Format::Kitti && gt.format == Format::Kitti;
-    match args.associate {
-        Some(AssociateArg::Index) => Association::Index,
-        None if by_frame => Association::Index,
-        _ => Association::Timestamp { tolerance_s: args.tolerance },
-    }
+    Evaluation::of(&estimate, &gt.trajectory, &options)
 }
 
 fn print_files(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) -> Result<()> {
@@ -132,8 +160,7 @@ fn print_files(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) -> Re
 }
 
 /// The figures, one a line.
-fn text(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
-    let e = &evaluated.figures;
+fn text(e: &Evaluation, args: &TrajArgs) -> String {
     let scale =
         if e.alignment == Alignment::Sim3 { format!(", scale {:.6}", e.scale) } else { String::new() };
     let mut lines = vec![
@@ -141,10 +168,10 @@ fn text(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
             "association   {}: {} poses used of {} estimated, {} true",
             e.association, e.n_used, e.n_est, e.n_gt
         ),
-        coverage(evaluated),
+        coverage(e),
         format!("alignment     {}{scale}", e.alignment),
         format!("ATE           {}", statistics(&e.ate_m, "m")),
-        drift_line(evaluated, options),
+        drift_line(e, &args.lengths),
     ];
     for bin in &e.per_length {
         lines.push(format!(
@@ -153,24 +180,23 @@ fn text(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
         ));
     }
     if let (Some(m), Some(deg)) = (&e.rpe_m, &e.rpe_deg) {
-        let unit = if options.rpe.unit == DeltaUnit::Frames { "frames" } else { "m" };
-        let pairs = if options.rpe.pairs == PairMode::All { "all pairs" } else { "consecutive pairs" };
-        lines.push(format!("RPE           {} {unit}, {pairs}: {}", options.rpe.delta, statistics(m, "m")));
+        let unit = if args.rpe_unit == DeltaUnit::Frames { "frames" } else { "m" };
+        let pairs = if args.rpe_pairs == PairMode::All { "all pairs" } else { "consecutive pairs" };
+        lines.push(format!("RPE           {} {unit}, {pairs}: {}", args.rpe_delta, statistics(m, "m")));
         lines.push(format!("              rotation: {}", statistics(deg, "deg")));
     } else {
         lines.push("RPE           not defined: no two poses that far apart".to_owned());
     }
     lines.push(match e.scale_drift_percent_per_100m {
         Some(percent) => {
-            format!("scale drift   {percent:+.4} % per 100 m (windows of {} m)", options.scale_window_m)
+            format!("scale drift   {percent:+.4} % per 100 m (windows of {} m)", args.scale_window)
         }
-        None => format!("scale drift   not defined: fewer than two windows of {} m", options.scale_window_m),
+        None => format!("scale drift   not defined: fewer than two windows of {} m", args.scale_window),
     });
     lines.join("\n")
 }
 
-fn coverage(evaluated: &Evaluated) -> String {
-    let e = &evaluated.figures;
+fn coverage(e: &Evaluation) -> String {
     match e.longest_gap_s {
         Some(gap) => format!(
             "coverage      {} estimated poses without a true pose in time; longest gap between matched poses {gap:.3} s",
@@ -186,12 +212,11 @@ fn coverage(evaluated: &Evaluated) -> String {
     }
 }
 
-fn drift_line(evaluated: &Evaluated, options: &EvaluationOptions) -> String {
-    let e = &evaluated.figures;
+fn drift_line(e: &Evaluation, lengths_m: &[f64]) -> String {
     let (Some(t), Some(r), Some(rms), Some(std)) =
         (e.t_rel_percent, e.r_rel_deg_per_100m, e.t_rms_percent, e.t_std_percent)
     else {
-        let shortest = options.lengths_m.iter().copied().fold(f64::INFINITY, f64::min);
+        let shortest = lengths_m.iter().copied().fold(f64::INFINITY, f64::min);
         return format!(
             "t_rel, r_rel  not defined: no segment of the ground truth is longer than {shortest} m (--lengths sets others)"
         );
@@ -216,18 +241,13 @@ fn statistics(s: &Statistics, unit: &str) -> String {
     )
 }
 
-fn write_plots(
-    folder: &std::path::Path,
-    args: &TrajArgs,
-    matched: &Matched,
-    evaluated: &Evaluated,
-) -> Result<()> {
+fn write_plots(folder: &Path, args: &TrajArgs, e: &Evaluation) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let name = |path: &std::path::Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let title = format!("{} over {}", name(&args.est), name(&args.gt));
-    let aligned = |pose: &geometry::SE3| apply_alignment(&evaluated.gt_from_est, &[*pose])[0].translation;
-    let estimate: Vec<_> = matched.est.iter().map(|pose| pose.as_ref().map(aligned)).collect();
-    let ground_truth = crate::positions(&matched.gt);
+    let aligned = |pose: &Option<geometry::SE3>| Some(e.aligned(&pose.as_ref()?.translation));
+    let estimate: Vec<_> = e.matched.est.iter().map(aligned).collect();
+    let ground_truth = crate::positions(&e.matched.gt);
     for (file, view) in [("trajectory_top", View::Top), ("trajectory_side", View::Side)] {
         let figure = TrajectoryFigure {
             title: title.clone(),
@@ -238,7 +258,6 @@ fn write_plots(
         plot::save(folder, file, &figure)?;
     }
     plot::save(folder, "error", &ErrorFigure::new(&title, &estimate, &ground_truth))?;
-    let e = &evaluated.figures;
     for (file, axis, bins) in
         [("drift_length", DriftAxis::Length, &e.per_length), ("drift_speed", DriftAxis::Speed, &e.per_speed)]
     {

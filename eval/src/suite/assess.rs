@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use geometry::{SE3, Vec3};
-use io::Trajectory;
+use geometry::Vec3;
+use io::{Stamps, Trajectory, TrajectoryFormat, read_trajectory};
 
 use super::plan::SequencePlan;
 use super::record::RunSummary;
-use crate::alignment::{Alignment, apply_alignment, positions};
-use crate::association::{Association, TIMESTAMP_TOLERANCE_S};
-use crate::evaluation::{Evaluated, EvaluationOptions, Matched, evaluate};
-use crate::read::{Format, read_trajectory_file};
+use crate::alignment::{Alignment, positions};
+use crate::association::Association;
+use crate::evaluation::{Estimate, Evaluation, EvaluationOptions};
 
 /// Figures of the run in `folder`; `None` when the sequence has no ground truth.
 ///
@@ -25,9 +24,25 @@ pub fn assess(
     sequence: &SequencePlan,
     summary: &RunSummary,
     options: &EvaluationOptions,
-) -> Result<Option<Evaluated>> {
-    let Some(matched) = matched(folder, sequence, summary)? else { return Ok(None) };
-    evaluate(&matched, options).map(Some)
+) -> Result<Option<Evaluation>> {
+    let Some(path) = &sequence.ground_truth else { return Ok(None) };
+    let gt = read_trajectory(path, None)?;
+    if gt.stamps == Stamps::Times {
+        let est = read_trajectory(&folder.join("trajectory.tum.txt"), Some(TrajectoryFormat::Tum))?;
+        return Evaluation::of(&Estimate::of_file(&est), &gt.trajectory, options).map(Some);
+    }
+    let est = read_trajectory(&folder.join("trajectory.kitti.txt"), Some(TrajectoryFormat::Kitti))?;
+    let mut est = Estimate::of_file(&est);
+    let (n_est, n_gt) = (est.poses.len(), gt.trajectory.poses.len());
+    ensure!(n_est <= n_gt, "the run has {n_est} frames, the ground truth {} only {n_gt}", path.display());
+    let gt = Trajectory { poses: gt.trajectory.poses[..n_est].to_vec() };
+    for lost in &summary.without_pose {
+        if let Some(slot) = est.poses.get_mut(lost.frame) {
+            *slot = None;
+        }
+    }
+    let options = EvaluationOptions { association: Association::Index, ..options.clone() };
+    Evaluation::of(&est, &gt, &options).map(Some)
 }
 
 /// Options for the run: Sim3 where the program itself aligned with it (monocular).
@@ -38,27 +53,6 @@ pub(super) fn options_for(summary: &RunSummary, lengths_m: &[f64]) -> Evaluation
         lengths_m: lengths_m.to_vec(),
         ..EvaluationOptions::default()
     }
-}
-
-fn matched(folder: &Path, sequence: &SequencePlan, summary: &RunSummary) -> Result<Option<Matched>> {
-    let Some(path) = &sequence.ground_truth else { return Ok(None) };
-    let mut gt = read_trajectory_file(path, None)?;
-    if gt.format != Format::Kitti {
-        let est = read_trajectory_file(&folder.join("trajectory.tum.txt"), Some(Format::Tum))?;
-        let by_time = Association::Timestamp { tolerance_s: TIMESTAMP_TOLERANCE_S };
-        return Matched::new(&est, &gt, by_time).map(Some);
-    }
-    let est = read_trajectory_file(&folder.join("trajectory.kitti.txt"), Some(Format::Kitti))?;
-    let (n_est, n_gt) = (est.trajectory.poses.len(), gt.trajectory.poses.len());
-    ensure!(n_est <= n_gt, "the run has {n_est} frames, the ground truth {} only {n_gt}", path.display());
-    gt.trajectory = Trajectory { poses: gt.trajectory.poses[..n_est].to_vec() };
-    let mut matched = Matched::new(&est, &gt, Association::Index)?;
-    for lost in &summary.without_pose {
-        if let Some(slot) = matched.est.get_mut(lost.frame) {
-            *slot = None;
-        }
-    }
-    Ok(Some(matched))
 }
 
 /// Positions of a run for plots, in the ground truth's world, metres.
@@ -76,16 +70,16 @@ pub struct RunPaths {
 /// As [`assess`].
 pub fn run_paths(folder: &Path, sequence: &SequencePlan, summary: &RunSummary) -> Result<RunPaths> {
     let options = options_for(summary, &[]);
-    let Some(matched) = matched(folder, sequence, summary)? else {
-        let est = read_trajectory_file(&folder.join("trajectory.kitti.txt"), Some(Format::Kitti))?;
+    let evaluation = assess(folder, sequence, summary, &options)
+        .with_context(|| format!("cannot evaluate {}", folder.display()))?;
+    let Some(evaluation) = evaluation else {
+        let est = read_trajectory(&folder.join("trajectory.kitti.txt"), Some(TrajectoryFormat::Kitti))?;
         let estimate = est.trajectory.poses.iter().map(|p| Some(p.world_from_cam.translation)).collect();
         return Ok(RunPaths { estimate, ground_truth: Vec::new() });
     };
-    let evaluated =
-        evaluate(&matched, &options).with_context(|| format!("cannot evaluate {}", folder.display()))?;
-    let aligned = |pose: &SE3| apply_alignment(&evaluated.gt_from_est, &[*pose])[0].translation;
+    let aligned = |pose: &Option<geometry::SE3>| Some(evaluation.aligned(&pose.as_ref()?.translation));
     Ok(RunPaths {
-        estimate: matched.est.iter().map(|pose| pose.as_ref().map(aligned)).collect(),
-        ground_truth: positions(&matched.gt),
+        estimate: evaluation.matched.est.iter().map(aligned).collect(),
+        ground_truth: positions(&evaluation.matched.gt),
     })
 }

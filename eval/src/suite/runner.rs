@@ -181,7 +181,7 @@ fn evaluate_run(plan: &Plan, id: &RunId, folder: &Path) -> Result<()> {
     let sequence = plan.sequence(&id.sequence).ok_or_else(|| anyhow!("no sequence {}", id.sequence))?;
     let summary: RunSummary = read_json(&folder.join("summary.json"))?;
     if let Some(evaluated) = assess(folder, sequence, &summary, &options_for(&summary, &plan.lengths_m))? {
-        write_json(&folder.join("evaluation.json"), &evaluated.figures)?;
+        write_json(&folder.join("evaluation.json"), &evaluated)?;
     }
     Ok(())
 }

@@ -8,7 +8,8 @@
 
 use std::path::{Path, PathBuf};
 
-use dsslam_eval::{Association, Pairs, associate, read_trajectory_file};
+use dsslam_eval::{Association, Pairs, associate};
+use io::{Stamps, read_trajectory};
 
 /// A file of `tests/fixtures`.
 pub(crate) fn fixture(name: &str) -> PathBuf {
@@ -31,11 +32,11 @@ pub(crate) fn published(name: &str) -> Option<PathBuf> {
 
 /// Ground truth and estimate, matched by index (KITTI) or within 10 ms.
 pub(crate) fn pairs(gt: &Path, est: &Path) -> Pairs {
-    let truth = read_trajectory_file(gt, None).unwrap();
-    let estimate = read_trajectory_file(est, None).unwrap();
-    let association = match truth.format {
-        dsslam_eval::Format::Kitti if !estimate.has_frame_numbers => Association::Index,
-        dsslam_eval::Format::Kitti => Association::Timestamp { tolerance_s: 0.0 },
+    let truth = read_trajectory(gt, None).unwrap();
+    let estimate = read_trajectory(est, None).unwrap();
+    let association = match (truth.stamps, estimate.stamps) {
+        (Stamps::Rows, Stamps::Rows) => Association::Index,
+        (Stamps::Rows, _) => Association::Timestamp { tolerance_s: 0.0 },
         _ => Association::Timestamp { tolerance_s: dsslam_eval::TIMESTAMP_TOLERANCE_S },
     };
     associate(&estimate.trajectory, &truth.trajectory, association).unwrap()

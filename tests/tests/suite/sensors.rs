@@ -199,8 +199,8 @@ fn an_exported_euroc_trajectory_is_that_of_the_body() {
         call.stdout
     };
     assert!(export("stereo", "euroc").contains("poses of the body)"));
-    let exported = io::read_euroc(&poses).unwrap();
-    let body = io::read_tum(&results.join("trajectory_body.tum.txt")).unwrap();
+    let exported = io::read_trajectory(&poses, None).unwrap().trajectory;
+    let body = io::read_trajectory(&results.join("trajectory_body.tum.txt"), None).unwrap().trajectory;
     assert!(exported.poses.len() >= 2);
     for pose in &exported.poses {
         // Times are written with six digits there, with nine here.

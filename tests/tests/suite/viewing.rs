@@ -70,7 +70,8 @@ fn a_run_without_events_is_shown_from_its_other_files() {
     let desk = Desk::new();
     let [results, map] = ["results", "town.dsmap"].map(|name| desk.folder.path().join(name));
     run(&results, &["--save-map", text(&map)]);
-    let trajectory = io::read_kitti_poses(&results.join("trajectory.kitti.txt")).unwrap().poses;
+    let trajectory =
+        io::read_trajectory(&results.join("trajectory.kitti.txt"), None).unwrap().trajectory.poses;
     for args in [&[][..], &["--map", text(&map)]] {
         desk.view(&[&[text(&results)], args].concat()).expect_success();
         assert_eq!(desk.args(), "-");

@@ -1,9 +1,9 @@
 //! Which frames show the same place, from the poses of the sequence or of a file.
 
 use anyhow::{Context, Result, bail, ensure};
-use eval::{LoopTruth, SamePlace, read_trajectory_file};
+use eval::{LoopTruth, SamePlace};
 use geometry::SE3;
-use io::{Sequence, Trajectory};
+use io::{Sequence, Trajectory, read_trajectory};
 
 use crate::args::PlacesArgs;
 
@@ -16,7 +16,7 @@ const TOLERANCE_S: f64 = 0.02;
 /// No poses, poses of other frames, or no frame that shows a place again.
 pub(super) fn of(sequence: &Sequence, args: &PlacesArgs) -> Result<LoopTruth> {
     let poses = match &args.ground_truth {
-        Some(file) => poses(sequence, &read_trajectory_file(file, None)?.trajectory)
+        Some(file) => poses(sequence, &read_trajectory(file, None)?.trajectory)
             .with_context(|| file.display().to_string())?,
         None => match &sequence.ground_truth {
             Some(truth) => poses(sequence, truth)?,

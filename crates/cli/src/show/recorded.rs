@@ -10,7 +10,7 @@ use events::{
     Record, StageTime, Start,
 };
 use geometry::SE3;
-use io::Config;
+use io::{Config, TrajectoryFormat};
 use serde_json::Value;
 
 use super::start::position;
@@ -35,7 +35,7 @@ pub(super) fn records(folder: &Path, map: Option<&Path>) -> Result<Vec<Record>> 
         .with_context(|| folder.join("summary.json").display().to_string())?;
     let rows = rows(folder)?;
     let trajectory = folder.join("trajectory.kitti.txt");
-    let poses = io::read_kitti_poses(&trajectory)?.poses;
+    let poses = io::read_trajectory(&trajectory, Some(TrajectoryFormat::Kitti))?.trajectory.poses;
     ensure!(
         poses.len() == rows.len(),
         "{}: {} rows, expected one for each of the {} frames in frames.csv",
@@ -75,7 +75,11 @@ fn start(folder: &Path, summary: &Value, rows: &[Row]) -> Result<Start> {
     // Where the size is that of the images, the principal point lies near their middle.
     let size = |given: Option<usize>, center: f64| given.map_or(2.0 * center, |n| n as f64) as u32;
     let truth = folder.join(TRUTH_FILE);
-    let truth = if truth.is_file() { io::read_tum(&truth)?.poses } else { Vec::new() };
+    let truth = if truth.is_file() {
+        io::read_trajectory(&truth, Some(TrajectoryFormat::Tum))?.trajectory.poses
+    } else {
+        Vec::new()
+    };
     let by_time: BTreeMap<u64, u32> = rows.iter().map(|row| (micros(row.timestamp_s), row.index)).collect();
     let of_frame = |pose: &io::StampedPose| Some(position(*by_time.get(&micros(pose.timestamp_s))?, pose));
     Ok(Start {

@@ -127,7 +127,7 @@ fn prepare(dir: &Path) {
     for name in ["est.txt", "groundtruth.txt"] {
         fs::copy(dir.join("finished/trajectory.tum.txt"), dir.join(name)).unwrap();
     }
-    let driven = io::read_tum(&dir.join("est.txt")).unwrap();
+    let driven = io::read_trajectory(&dir.join("est.txt"), None).unwrap().trajectory;
     io::write_euroc(&dir.join("gt.csv"), &driven).unwrap();
     fs::write(dir.join("detections.csv"), "query,answer,score\n4,0,0.5\n").unwrap();
     let suite = "name: short\ndataset: kitti\nsequences:\n  - {name: \"06\", path: kitti/sequences/06}\n\

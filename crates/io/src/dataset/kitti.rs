@@ -1,14 +1,15 @@
 //! KITTI odometry folders: `times.txt`, `calib.txt`, `image_0`/`image_1` (grey) or `image_2`/`image_3` (colour), poses.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use geometry::{SE3, SO3};
 
 use super::calib::{self, KittiCalibration};
 use super::numbered::NumberedImages;
+use super::truth;
 use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
 use crate::file::{FileError, TextFile, counted};
-use crate::trajectory::{StampedPose, Trajectory, check_increasing, read_kitti_poses};
+use crate::trajectory::{StampedPose, Trajectory, TrajectoryFormat, check_increasing};
 
 /// A pair of image folders with the names of their cameras in `calib.txt`.
 struct Pair {
@@ -56,7 +57,7 @@ pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, Datase
             packing: Packing::Whole,
         })
         .collect();
-    let ground_truth = read_ground_truth(dir, &times_s[..n_frames], camera.as_ref(), &mut warnings)?;
+    let ground_truth = read_ground_truth(dir, options, &frames, camera.as_ref(), &mut warnings)?;
     Ok(Sequence {
         name: folder_name(dir),
         kind: SequenceKind::Kitti,
@@ -206,40 +207,22 @@ fn read_camera(
     calib::read(&path, images.pair.left_camera, right).map(Some)
 }
 
-/// Poses of the left camera from the first pose file found; those of camera 0 are moved where colour is used.
+/// Poses of the left camera: those of camera 0, which the pose file holds, are moved where color is used.
 fn read_ground_truth(
     dir: &Path,
-    times_s: &[f64],
+    options: &OpenOptions,
+    frames: &[FrameSource],
     camera: Option<&KittiCalibration>,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Trajectory>, FileError> {
-    let Some(path) = find_pose_file(dir) else {
-        return Ok(None);
-    };
-    let rows = read_kitti_poses(&path)?;
-    let n_rows = rows.poses.len();
-    if n_rows < times_s.len() {
-        warnings.push(format!(
-            "{}: {} for {}; errors are computed over the first {n_rows}",
-            path.display(),
-            counted(n_rows, "pose"),
-            counted(times_s.len(), "frame"),
-        ));
-    }
-    let mut trajectory = rows.with_times(times_s);
-    if let Some(camera) = camera {
+    let own = format!("{}.txt", folder_name(dir));
+    let usual = [dir.join("poses.txt"), dir.join("../poses").join(&own), dir.join("../../poses").join(&own)];
+    let mut ground_truth = truth::read(options, &usual, TrajectoryFormat::Kitti, frames, warnings)?;
+    if let (Some(trajectory), Some(camera)) = (&mut ground_truth, camera) {
         let camera0_from_left = SE3::new(SO3::identity(), camera.left_in_camera0);
         for StampedPose { world_from_cam, .. } in &mut trajectory.poses {
             *world_from_cam = *world_from_cam * camera0_from_left;
         }
     }
-    Ok(Some(trajectory))
-}
-
-/// `poses.txt` in the folder, or `../poses/NN.txt` or `../../poses/NN.txt` with NN the folder's name.
-fn find_pose_file(dir: &Path) -> Option<PathBuf> {
-    let own = format!("{}.txt", folder_name(dir));
-    [dir.join("poses.txt"), dir.join("../poses").join(&own), dir.join("../../poses").join(&own)]
-        .into_iter()
-        .find(|path| path.is_file())
+    Ok(ground_truth)
 }

@@ -11,6 +11,7 @@ mod image_folder;
 mod kitti;
 mod numbered;
 mod raw;
+mod truth;
 mod tum;
 mod video;
 
@@ -123,11 +124,20 @@ pub struct OpenOptions {
     pub calibration: Option<PathBuf>,
     /// Images per second of a folder of images whose calibration does not tell.
     pub frame_rate_hz: f64,
+    /// Ground truth, in any format of [`crate::read_trajectory`] and of the same body as the dataset's own (KITTI: camera 0);
+    /// `None`: the dataset's own, if there is one.
+    pub ground_truth: Option<PathBuf>,
 }
 
 impl Default for OpenOptions {
     fn default() -> Self {
-        Self { sensor: None, association_tolerance_s: 0.02, calibration: None, frame_rate_hz: 10.0 }
+        Self {
+            sensor: None,
+            association_tolerance_s: 0.02,
+            calibration: None,
+            frame_rate_hz: 10.0,
+            ground_truth: None,
+        }
     }
 }
 

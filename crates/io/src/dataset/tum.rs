@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use geometry::SE3;
 
 use super::associate::associate;
+use super::truth;
 use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
 use crate::file::{FileError, TextFile, counted};
-use crate::trajectory::{check_increasing, read_tum};
+use crate::trajectory::{TrajectoryFormat, check_increasing};
 
 const EXPECTED: &str = "a time in seconds and a file name per line";
 
@@ -22,7 +23,7 @@ pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, Datase
     let mut warnings = Vec::new();
     let sensor = choose_sensor(dir, options.sensor, &mut warnings)?;
     let colour = read_list(dir, "rgb.txt")?;
-    let frames = match sensor {
+    let frames: Vec<FrameSource> = match sensor {
         Sensor::Rgbd => {
             let depth = read_list(dir, "depth.txt")?;
             pair_frames(dir, colour, depth, options.association_tolerance_s, &mut warnings)?
@@ -40,8 +41,8 @@ pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, Datase
             })
             .collect(),
     };
-    let truth = dir.join("groundtruth.txt");
-    let ground_truth = if truth.is_file() { Some(read_tum(&truth)?) } else { None };
+    let usual = [dir.join("groundtruth.txt")];
+    let ground_truth = truth::read(options, &usual, TrajectoryFormat::Tum, &frames, &mut warnings)?;
     Ok(Sequence {
         name: folder_name(dir),
         kind: SequenceKind::TumRgbd,

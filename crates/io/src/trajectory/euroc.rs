@@ -5,33 +5,14 @@ use std::path::Path;
 
 use geometry::{SE3, Vec3};
 
-use super::{StampedPose, Trajectory, check_increasing, rotation_from_quaternion};
-use crate::file::{FileError, Line, TextFile, counted, write_atomic};
+use super::{StampedPose, Trajectory, rotation_from_quaternion};
+use crate::file::{FileError, Line, counted, write_atomic};
 
-const EXPECTED: &str = "at least 8 numbers with commas (ns, px, py, pz, qw, qx, qy, qz)";
+pub(super) const EXPECTED: &str = "at least 8 numbers with commas (ns, px, py, pz, qw, qx, qy, qz)";
 const NANOSECONDS_PER_SECOND: f64 = 1e9;
 
-/// Reads an EuRoC trajectory; its poses are those of the body: compose with `T_BS` of a camera's `sensor.yaml`.
-///
-/// # Errors
-/// [`FileError`] for a missing or empty file, fewer than 8 columns, a value that is no finite number, a quaternion far
-/// from unit length, or a time that is not after the one before.
-pub fn read_euroc(path: &Path) -> Result<Trajectory, FileError> {
-    let file = TextFile::read(path, "an EuRoC trajectory")?;
-    let mut poses: Vec<StampedPose> = Vec::new();
-    for line in file.data_lines() {
-        let pose = parse_line(&line)?;
-        check_increasing(&line, poses.last().map(|pose| pose.timestamp_s), pose.timestamp_s)?;
-        poses.push(pose);
-    }
-    if poses.is_empty() {
-        return Err(file.empty(EXPECTED));
-    }
-    Ok(Trajectory { poses })
-}
-
 /// One row; what stands after the first eight columns (velocities, biases) is left alone.
-fn parse_line(line: &Line<'_>) -> Result<StampedPose, FileError> {
+pub(super) fn row(line: &Line<'_>) -> Result<StampedPose, FileError> {
     let n_fields = line.text.split(',').count();
     if n_fields < 8 {
         return Err(line.error(counted(n_fields, "field"), EXPECTED));

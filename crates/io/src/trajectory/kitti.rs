@@ -6,32 +6,27 @@ use std::path::Path;
 use geometry::{Mat3, SE3, SO3, Vec3};
 
 use super::{StampedPose, Trajectory};
-use crate::file::{FileError, Line, TextFile, write_atomic};
+use crate::file::{FileError, Line, write_atomic};
 
-const EXPECTED: &str = "12 numbers (the 3x4 pose, row by row)";
+pub(super) const EXPECTED: &str = "12 numbers (the 3x4 pose, row by row)";
+const EXPECTED_STAMPED: &str = "13 numbers (frame number or time, and the 3x4 pose, row by row)";
+/// Columns of a row with a frame number or a time in front.
+pub(super) const STAMPED_COLUMNS: usize = 13;
 
-/// Reads a KITTI pose file; the time of a pose is its row number from 0 (see [`Trajectory::with_times`]).
-///
-/// # Errors
-/// [`FileError`] for a missing or empty file, a count other than 12, a value that is no finite number, or a matrix
-/// that is no rotation.
-pub fn read_kitti_poses(path: &Path) -> Result<Trajectory, FileError> {
-    let file = TextFile::read(path, "a KITTI pose file")?;
-    let mut poses = Vec::new();
-    for line in file.data_lines() {
-        let row = line.numbers::<12>(line.text.split_whitespace(), EXPECTED)?;
-        poses.push(StampedPose {
-            timestamp_s: poses.len() as f64,
-            world_from_cam: pose_from_row(&line, &row)?,
-        });
-    }
-    if poses.is_empty() {
-        return Err(file.empty(EXPECTED));
-    }
-    Ok(Trajectory { poses })
+/// Row number `index` of a file without frame numbers.
+pub(super) fn row(line: &Line<'_>, index: usize) -> Result<StampedPose, FileError> {
+    let row = line.numbers::<12>(line.text.split_whitespace(), EXPECTED)?;
+    Ok(StampedPose { timestamp_s: index as f64, world_from_cam: pose_from_row(line, &row)? })
 }
 
-/// The pose of one row, its rotation made exactly orthonormal.
+/// A row with a frame number or a time in front.
+pub(super) fn stamped_row(line: &Line<'_>) -> Result<StampedPose, FileError> {
+    let [timestamp_s, row @ ..] =
+        line.numbers::<STAMPED_COLUMNS>(line.text.split_whitespace(), EXPECTED_STAMPED)?;
+    Ok(StampedPose { timestamp_s, world_from_cam: pose_from_row(line, &row)? })
+}
+
+/// The pose of twelve numbers, its rotation as it is written.
 fn pose_from_row(line: &Line<'_>, row: &[f64; 12]) -> Result<SE3, FileError> {
     /// Published files keep six digits; a wider deviation is no rounding.
     const TOLERANCE: f64 = 0.01;
@@ -42,11 +37,11 @@ fn pose_from_row(line: &Line<'_>, row: &[f64; 12]) -> Result<SE3, FileError> {
         let why =
             if is_mirrored { "a mirror image".to_string() } else { format!("deviation {deviation:.3}") };
         return Err(line.error(
-            format!("a 3x3 matrix that is no rotation ({why})"),
+            format!("a 3x3 matrix that is not a rotation ({why})"),
             "a pose whose first three columns are a rotation",
         ));
     }
-    Ok(SE3::new(SO3::from_matrix(&matrix), Vec3::new(row[3], row[7], row[11])))
+    Ok(SE3::new(SO3::from_matrix_unchecked(matrix), Vec3::new(row[3], row[7], row[11])))
 }
 
 /// Writes a KITTI pose file, a line per pose; reading it back is exact to 1e-9 relative.

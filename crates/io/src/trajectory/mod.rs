@@ -10,14 +10,15 @@ use geometry::SE3;
 
 use crate::file::{FileError, Line, TextFile, counted};
 
-pub use euroc::{read_euroc, write_euroc};
-pub use kitti::{read_kitti_poses, write_kitti};
-pub use tum::{read_tum, write_tum};
+pub use euroc::write_euroc;
+pub use kitti::write_kitti;
+pub use tum::write_tum;
 
 /// A camera pose with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StampedPose {
-    /// Seconds. KITTI pose files carry no times: there it is the row number until [`Trajectory::with_times`].
+    /// Seconds. KITTI pose files carry no times: there it is the row or frame number until
+    /// [`TrajectoryFile::with_frame_times`].
     pub timestamp_s: f64,
     /// Pose of the camera (of the body in EuRoC's ground truth) in the world, metres.
     pub world_from_cam: SE3,
@@ -33,7 +34,7 @@ pub struct Trajectory {
 /// The file formats of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrajectoryFormat {
-    /// Twelve numbers a line: the upper 3x4 of `world_from_cam`, row by row.
+    /// Twelve numbers a line: the upper 3x4 of `world_from_cam`, row by row; or 13 with a frame number or a time in front.
     Kitti,
     /// Eight numbers a line: seconds, position, quaternion x y z w.
     Tum,
@@ -41,18 +42,31 @@ pub enum TrajectoryFormat {
     Euroc,
 }
 
-impl Trajectory {
-    /// The same poses with the times of their rows (KITTI); rows beyond the shorter of the two are left out.
-    pub fn with_times(&self, times_s: &[f64]) -> Self {
-        let poses = self
-            .poses
-            .iter()
-            .zip(times_s)
-            .map(|(pose, &timestamp_s)| StampedPose { timestamp_s, ..*pose })
-            .collect();
-        Self { poses }
-    }
+/// What the timestamps of a file's poses are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stamps {
+    /// Row numbers from 0, because the file gives nothing else: one pose per frame.
+    Rows,
+    /// Frame numbers of the file, so that frames may be missing.
+    FrameNumbers,
+    /// Seconds.
+    Times,
+}
 
+/// A trajectory as its file gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrajectoryFile {
+    /// The poses.
+    pub trajectory: Trajectory,
+    /// Layout of the file.
+    pub format: TrajectoryFormat,
+    /// What the timestamps are.
+    pub stamps: Stamps,
+    /// Rows left out because their time equals that of the row before.
+    pub n_repeated_times: usize,
+}
+
+impl Trajectory {
     /// The pose nearest in time, if one lies within `tolerance_s`; the earlier of two equally near ones.
     pub fn find_nearest(&self, timestamp_s: f64, tolerance_s: f64) -> Option<&StampedPose> {
         let after = self.poses.partition_point(|pose| pose.timestamp_s < timestamp_s);
@@ -64,31 +78,93 @@ impl Trajectory {
     }
 }
 
-/// Reads a trajectory in whichever of the three formats the file is.
-///
-/// # Errors
-/// [`FileError`] when no format fits the first line with data, or from the format's reader.
-pub fn read_trajectory(path: &Path) -> Result<Trajectory, FileError> {
-    match detect_format(path)? {
-        TrajectoryFormat::Kitti => read_kitti_poses(path),
-        TrajectoryFormat::Tum => read_tum(path),
-        TrajectoryFormat::Euroc => read_euroc(path),
+impl TrajectoryFile {
+    /// The poses with times in seconds: poses of frames get those of their frames, `times_s`; poses of later frames are left
+    /// out.
+    pub fn with_frame_times(mut self, times_s: &[f64]) -> Trajectory {
+        if self.stamps != Stamps::Times {
+            let time = |pose: &StampedPose| {
+                let timestamp_s = *times_s.get(pose.timestamp_s as usize)?;
+                Some(StampedPose { timestamp_s, ..*pose })
+            };
+            self.trajectory.poses = self.trajectory.poses.iter().filter_map(time).collect();
+        }
+        self.trajectory
     }
 }
 
-/// Tells the format from the first line that holds data.
-fn detect_format(path: &Path) -> Result<TrajectoryFormat, FileError> {
-    const EXPECTED: &str = "a trajectory (KITTI: 12 numbers a line, TUM: 8, EuRoC: at least 8 with commas)";
-    let file = TextFile::read(path, EXPECTED)?;
-    let line = file.data_lines().next().ok_or_else(|| file.empty(EXPECTED))?;
+/// Reads a trajectory; without `format` the first line with data decides.
+///
+/// KITTI matrices are kept as the file has them, not made orthonormal: the benchmark's tools take them as they are, and its
+/// published figures depend on it in the seventh digit. Of successive rows with one time the first is kept: published ground
+/// truth (TUM fr2/desk) repeats times where its four decimals do not tell two poses apart. Poses of EuRoC's ground truth are
+/// those of the body: compose with `T_BS` of a camera's `sensor.yaml`.
+///
+/// # Errors
+/// [`FileError`] for a missing or empty file, a row of the wrong length, a value that is not a finite number, a matrix or
+/// quaternion that is not a rotation, or times (frame numbers) that do not increase.
+pub fn read_trajectory(path: &Path, format: Option<TrajectoryFormat>) -> Result<TrajectoryFile, FileError> {
+    let expected = format.map_or(ANY_FORMAT, TrajectoryFormat::row);
+    let file = TextFile::read(path, expected)?;
+    let first = file.data_lines().next().ok_or_else(|| file.empty(expected))?;
+    let format = format.map_or_else(|| detect(&first), Ok)?;
+    let is_stamped = first.text.split_whitespace().count() == kitti::STAMPED_COLUMNS;
+    let mut poses: Vec<StampedPose> = Vec::new();
+    let mut n_repeated_times = 0;
+    for line in file.data_lines() {
+        let pose = match format {
+            TrajectoryFormat::Kitti if is_stamped => kitti::stamped_row(&line)?,
+            TrajectoryFormat::Kitti => kitti::row(&line, poses.len())?,
+            TrajectoryFormat::Tum => tum::row(&line)?,
+            TrajectoryFormat::Euroc => euroc::row(&line)?,
+        };
+        let previous_s = poses.last().map(|pose| pose.timestamp_s);
+        if format != TrajectoryFormat::Kitti && previous_s == Some(pose.timestamp_s) {
+            n_repeated_times += 1;
+            continue;
+        }
+        check_increasing(&line, previous_s, pose.timestamp_s)?;
+        poses.push(pose);
+    }
+    let stamps = match format {
+        TrajectoryFormat::Kitti if !is_stamped => Stamps::Rows,
+        TrajectoryFormat::Kitti if poses.iter().all(|pose| is_frame_number(pose.timestamp_s)) => {
+            Stamps::FrameNumbers
+        }
+        _ => Stamps::Times,
+    };
+    Ok(TrajectoryFile { trajectory: Trajectory { poses }, format, stamps, n_repeated_times })
+}
+
+/// What a file of unknown format should hold.
+const ANY_FORMAT: &str = "a trajectory (KITTI: 12 numbers a line, 13 with a frame number or time in front; TUM: 8; EuRoC: at \
+                          least 8 with commas)";
+
+impl TrajectoryFormat {
+    /// What a row of the format should hold.
+    fn row(self) -> &'static str {
+        match self {
+            TrajectoryFormat::Kitti => kitti::EXPECTED,
+            TrajectoryFormat::Tum => tum::EXPECTED,
+            TrajectoryFormat::Euroc => euroc::EXPECTED,
+        }
+    }
+}
+
+/// Tells the format from a line with data.
+fn detect(line: &Line<'_>) -> Result<TrajectoryFormat, FileError> {
     if line.text.contains(',') {
         return Ok(TrajectoryFormat::Euroc);
     }
     match line.text.split_whitespace().count() {
-        12 => Ok(TrajectoryFormat::Kitti),
+        12 | kitti::STAMPED_COLUMNS => Ok(TrajectoryFormat::Kitti),
         8 => Ok(TrajectoryFormat::Tum),
-        n => Err(line.error(counted(n, "field"), EXPECTED)),
+        n => Err(line.error(counted(n, "field"), ANY_FORMAT)),
     }
+}
+
+fn is_frame_number(stamp: f64) -> bool {
+    stamp >= 0.0 && stamp.fract() == 0.0
 }
 
 /// Refuses a time that does not lie after the one before it.

@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use dsslam_io::{ImageError, Sensor, Sequence, SequenceKind, load_frame, open_sequence};
+use dsslam_io::{
+    ImageError, OpenOptions, Sensor, Sequence, SequenceKind, load_frame, open_sequence, open_sequence_with,
+};
 use geometry::Vec3;
 
 use super::support::{Folder, P0, P1};
@@ -230,6 +232,27 @@ fn ground_truth_takes_the_times_of_the_frames() {
     folder.write("poses.txt", IDENTITY_ROW.repeat(4));
     let sequence = open(&folder, None);
     assert_eq!(sequence.ground_truth.unwrap().poses.len(), 3);
+}
+
+#[test]
+fn a_named_ground_truth_takes_the_place_of_the_dataset_s_own() {
+    let folder = colour_folder();
+    folder.write("poses.txt", IDENTITY_ROW);
+    let truth_of = |text: String| {
+        let options =
+            OpenOptions { ground_truth: Some(folder.write("mine.txt", text)), ..OpenOptions::default() };
+        let poses = open_sequence_with(folder.path(), &options).unwrap().ground_truth.unwrap().poses;
+        poses
+            .iter()
+            .map(|p| (p.timestamp_s, (p.world_from_cam.translation.x * 1e9).round()))
+            .collect::<Vec<_>>()
+    };
+    // Both are of camera 0; the left color camera stands 0.06 m to its left.
+    assert_eq!(truth_of(format!("0 {IDENTITY_ROW}")), [(0.0, -0.06e9)]);
+    assert_eq!(truth_of("5.5 1 0 0 0 0 0 1\n".to_owned()), [(5.5, 0.94e9)]);
+    let options = OpenOptions { ground_truth: Some(folder.file("none")), ..OpenOptions::default() };
+    let error = open_sequence_with(folder.path(), &options).unwrap_err();
+    assert!(folder.hide(error).starts_with("DIR/none: no such file, expected a trajectory"));
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Trajectories survive writing and reading; broken files get their exact message.
 
-use dsslam_io::{
-    FileError, StampedPose, Trajectory, read_euroc, read_kitti_poses, read_trajectory, read_tum, write_euroc,
-    write_kitti, write_tum,
-};
+use std::path::Path;
+
+use dsslam_io::TrajectoryFormat::{self, Euroc, Kitti, Tum};
+use dsslam_io::{StampedPose, Stamps, Trajectory, read_trajectory, write_euroc, write_kitti, write_tum};
 use geometry::{SE3, Vec6};
 use proptest::prelude::*;
 
@@ -27,6 +27,11 @@ fn largest_difference(a: &Trajectory, b: &Trajectory) -> f64 {
     rows.flat_map(|(a, b)| std::iter::zip(a, b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
+/// The poses of a file that can be read.
+fn read(path: &Path) -> Trajectory {
+    read_trajectory(path, None).unwrap().trajectory
+}
+
 proptest! {
     #[test]
     fn round_trips(n in 1_u32..30, scale in 0.001..1000.0) {
@@ -35,9 +40,9 @@ proptest! {
         write_kitti(&folder.file("k.txt"), &curve).unwrap();
         write_tum(&folder.file("t.txt"), &curve).unwrap();
         write_euroc(&folder.file("e.csv"), &curve).unwrap();
-        let kitti = read_trajectory(&folder.file("k.txt")).unwrap();
-        let euroc = read_trajectory(&folder.file("e.csv")).unwrap();
-        let tum = read_trajectory(&folder.file("t.txt")).unwrap();
+        let kitti = read(&folder.file("k.txt"));
+        let euroc = read(&folder.file("e.csv"));
+        let tum = read(&folder.file("t.txt"));
         prop_assert!(largest_difference(&kitti, &curve) < 1e-9);
         prop_assert!(largest_difference(&tum, &curve) < 1e-9);
         prop_assert!(largest_difference(&euroc, &curve) < 1e-9);
@@ -76,11 +81,43 @@ fn euroc_text() {
 fn kitti_rows_have_no_times() {
     let folder = Folder::new();
     write_kitti(&folder.file("k.txt"), &curve(4, 1.0)).unwrap();
-    let read = read_kitti_poses(&folder.file("k.txt")).unwrap();
-    assert_eq!(read.poses[3].timestamp_s, 3.0);
-    let stamped = read.with_times(&[0.5, 1.5, 2.5]);
+    let file = read_trajectory(&folder.file("k.txt"), None).unwrap();
+    assert_eq!((file.format, file.stamps), (Kitti, Stamps::Rows));
+    assert_eq!(file.trajectory.poses[3].timestamp_s, 3.0);
+    let stamped = file.clone().with_frame_times(&[0.5, 1.5, 2.5]);
     assert_eq!((stamped.poses.len(), stamped.poses[2].timestamp_s), (3, 2.5));
-    assert_eq!(stamped.poses[2].world_from_cam, read.poses[2].world_from_cam);
+    assert_eq!(stamped.poses[2].world_from_cam, file.trajectory.poses[2].world_from_cam);
+}
+
+/// KITTI rows at x = 1, 2, ... with these stamps in front.
+fn stamped_rows(stamps: &[&str]) -> String {
+    let row = |(i, stamp): (usize, &&str)| format!("{stamp} 1 0 0 {} 0 1 0 0 0 0 1 0\n", i + 1);
+    stamps.iter().enumerate().map(row).collect()
+}
+
+#[test]
+fn kitti_rows_may_have_frame_numbers_or_times() {
+    let folder = Folder::new();
+    let file =
+        |stamps: &[&str]| read_trajectory(&folder.write("k.txt", &stamped_rows(stamps)), None).unwrap();
+    let found = |t: &Trajectory| -> Vec<(f64, f64)> {
+        t.poses.iter().map(|p| (p.timestamp_s, p.world_from_cam.translation.x)).collect()
+    };
+    let numbered = file(&["0", "2", "3.0", "9"]);
+    assert_eq!((numbered.format, numbered.stamps), (Kitti, Stamps::FrameNumbers));
+    assert_eq!(found(&numbered.trajectory), [(0.0, 1.0), (2.0, 2.0), (3.0, 3.0), (9.0, 4.0)]);
+    let times_s = [10.0, 10.1, 10.2, 10.3];
+    assert_eq!(found(&numbered.with_frame_times(&times_s)), [(10.0, 1.0), (10.2, 2.0), (10.3, 3.0)]);
+    let timed = file(&["0", "0.5", "1e1"]);
+    assert_eq!((timed.format, timed.stamps), (Kitti, Stamps::Times));
+    assert_eq!(found(&timed.with_frame_times(&times_s)), [(0.0, 1.0), (0.5, 2.0), (10.0, 3.0)]);
+}
+
+#[test]
+fn kitti_matrices_stay_as_they_are_written() {
+    let folder = Folder::new();
+    let path = folder.write("k.txt", "1.000001 0 0 0 0 1 0 0 0 0 1 0\n");
+    assert_eq!(read(&path).poses[0].world_from_cam.rotation.matrix()[(0, 0)], 1.000001);
 }
 
 #[test]
@@ -105,7 +142,7 @@ fn euroc_ground_truth() {
         "#timestamp [ns],p_RS_R_x [m],...\n1403636589663560000,4.5,-1.5,0.5,0.6,0,0,0.8,9,9,9\n\
          1403636589668560000, 4.75, -1.5, 0.5, 0.6, 0, 0, 0.8\n",
     );
-    let read = read_trajectory(&path).unwrap();
+    let read = read(&path);
     assert_eq!(read.poses.len(), 2);
     assert!((read.poses[0].timestamp_s - 1_403_636_589.663_56).abs() < 1e-6);
     assert_eq!(read.poses[1].world_from_cam.translation.x, 4.75);
@@ -129,34 +166,43 @@ fn nearest_in_time() {
 }
 
 /// The message of reading a file with this content.
-fn refused(read: fn(&std::path::Path) -> Result<Trajectory, FileError>, content: &str) -> String {
+fn refused(format: impl Into<Option<TrajectoryFormat>>, content: &str) -> String {
     let folder = Folder::new();
-    folder.hide(read(&folder.write("file", content)).unwrap_err())
+    folder.hide(read_trajectory(&folder.write("file", content), format.into()).unwrap_err())
 }
 
 #[test]
 fn broken_kitti_files() {
     let row = "1 0 0 0 0 1 0 0 0 0 1 0";
     assert_eq!(
-        refused(read_kitti_poses, "\n"),
+        refused(Kitti, "\n"),
         "DIR/file: found no data, expected 12 numbers (the 3x4 pose, row by row)"
     );
     assert_eq!(
-        refused(read_kitti_poses, &format!("{row}\n{row} 7\n")),
+        refused(Kitti, &format!("{row}\n{row} 7\n")),
         "DIR/file:2: found 13 numbers, expected 12 numbers (the 3x4 pose, row by row)"
     );
     assert_eq!(
-        refused(read_kitti_poses, &format!("{row}\n{row}\n{}\n", row.replacen('1', "inf", 1))),
+        refused(Kitti, &format!("{row}\n{row}\n{}\n", row.replacen('1', "inf", 1))),
         "DIR/file:3: found `inf`, expected a finite number"
     );
+    let stamped = "13 numbers (frame number or time, and the 3x4 pose, row by row)";
     assert_eq!(
-        refused(read_kitti_poses, "2 0 0 0 0 1 0 0 0 0 1 0\n"),
-        "DIR/file:1: found a 3x3 matrix that is no rotation (deviation 3.000), expected a pose whose first three \
+        refused(Kitti, &format!("5 {row}\n{row}\n")),
+        format!("DIR/file:2: found 12 numbers, expected {stamped}")
+    );
+    assert_eq!(
+        refused(Kitti, &format!("5 {row}\n5 {row}\n")),
+        "DIR/file:2: found time 5 after 5 of the entry before, expected strictly increasing times"
+    );
+    assert_eq!(
+        refused(Kitti, "2 0 0 0 0 1 0 0 0 0 1 0\n"),
+        "DIR/file:1: found a 3x3 matrix that is not a rotation (deviation 3.000), expected a pose whose first three \
          columns are a rotation"
     );
     assert_eq!(
-        refused(read_kitti_poses, "-1 0 0 0 0 1 0 0 0 0 1 0\n"),
-        "DIR/file:1: found a 3x3 matrix that is no rotation (a mirror image), expected a pose whose first three \
+        refused(Kitti, "-1 0 0 0 0 1 0 0 0 0 1 0\n"),
+        "DIR/file:1: found a 3x3 matrix that is not a rotation (a mirror image), expected a pose whose first three \
          columns are a rotation"
     );
 }
@@ -164,23 +210,23 @@ fn broken_kitti_files() {
 #[test]
 fn broken_tum_files() {
     assert_eq!(
-        refused(read_tum, "# only a comment\n"),
+        refused(Tum, "# only a comment\n"),
         "DIR/file: found no data, expected 8 numbers (timestamp tx ty tz qx qy qz qw)"
     );
     assert_eq!(
-        refused(read_tum, "1 0 0 0 0 0 1\n"),
+        refused(Tum, "1 0 0 0 0 0 1\n"),
         "DIR/file:1: found 7 numbers, expected 8 numbers (timestamp tx ty tz qx qy qz qw)"
     );
     assert_eq!(
-        refused(read_tum, "1 0 0 0 0 0 0 1\n2 0 nan 0 0 0 0 1\n"),
+        refused(Tum, "1 0 0 0 0 0 0 1\n2 0 nan 0 0 0 0 1\n"),
         "DIR/file:2: found `nan`, expected a finite number"
     );
     assert_eq!(
-        refused(read_tum, "1 0 0 0 0 0 0 1\n\n0.5 0 0 0 0 0 0 1\n"),
+        refused(Tum, "1 0 0 0 0 0 0 1\n\n0.5 0 0 0 0 0 0 1\n"),
         "DIR/file:3: found time 0.5 after 1 of the entry before, expected strictly increasing times"
     );
     assert_eq!(
-        refused(read_tum, "1 0 0 0 0 0 0 0\n"),
+        refused(Tum, "1 0 0 0 0 0 0 0\n"),
         "DIR/file:1: found a quaternion of length 0.000000, expected a unit quaternion"
     );
 }
@@ -190,17 +236,22 @@ fn of_rows_with_one_time_the_first_is_kept() {
     let folder = Folder::new();
     let row = |time: f64, x: f64| format!("{time:.4} {x} 0 0 0 0 0 1\n");
     let text = row(1.0, 1.0) + &row(1.5, 2.0) + &row(1.5, 3.0) + &row(1.5, 4.0) + &row(2.0, 5.0);
-    let trajectory = read_tum(&folder.write("t.txt", &text)).unwrap();
-    let found: Vec<_> =
-        trajectory.poses.iter().map(|pose| (pose.timestamp_s, pose.world_from_cam.translation.x)).collect();
+    let file = read_trajectory(&folder.write("t.txt", &text), None).unwrap();
+    assert_eq!((file.format, file.stamps, file.n_repeated_times), (Tum, Stamps::Times, 2));
+    let found: Vec<_> = file
+        .trajectory
+        .poses
+        .iter()
+        .map(|pose| (pose.timestamp_s, pose.world_from_cam.translation.x))
+        .collect();
     assert_eq!(found, [(1.0, 1.0), (1.5, 2.0), (2.0, 5.0)]);
     // What is left out is checked all the same, and a time that goes back stays an error.
     assert_eq!(
-        refused(read_tum, &(row(1.0, 1.0) + "1.0 0 0 0 0 0 0 9\n")),
+        refused(Tum, &(row(1.0, 1.0) + "1.0 0 0 0 0 0 0 9\n")),
         "DIR/file:2: found a quaternion of length 9.000000, expected a unit quaternion"
     );
     assert_eq!(
-        refused(read_tum, &(row(1.0, 1.0) + &row(1.0, 2.0) + &row(0.5, 3.0))),
+        refused(Tum, &(row(1.0, 1.0) + &row(1.0, 2.0) + &row(0.5, 3.0))),
         "DIR/file:3: found time 0.5 after 1 of the entry before, expected strictly increasing times"
     );
 }
@@ -208,26 +259,21 @@ fn of_rows_with_one_time_the_first_is_kept() {
 #[test]
 fn broken_euroc_files() {
     let expected = "at least 8 numbers with commas (ns, px, py, pz, qw, qx, qy, qz)";
-    assert_eq!(refused(read_euroc, "#x\n"), format!("DIR/file: found no data, expected {expected}"));
-    assert_eq!(refused(read_euroc, "1,2,3\n"), format!("DIR/file:1: found 3 fields, expected {expected}"));
-    assert_eq!(
-        refused(read_euroc, "1.5,0,0,0,1,0,0,0\n"),
-        "DIR/file:1: found `1.5`, expected whole nanoseconds"
-    );
-    assert_eq!(refused(read_euroc, "1,0,x,0,1,0,0,0\n"), "DIR/file:1: found `x`, expected a number");
+    assert_eq!(refused(Euroc, "#x\n"), format!("DIR/file: found no data, expected {expected}"));
+    assert_eq!(refused(Euroc, "1,2,3\n"), format!("DIR/file:1: found 3 fields, expected {expected}"));
+    assert_eq!(refused(Euroc, "1.5,0,0,0,1,0,0,0\n"), "DIR/file:1: found `1.5`, expected whole nanoseconds");
+    assert_eq!(refused(Euroc, "1,0,x,0,1,0,0,0\n"), "DIR/file:1: found `x`, expected a number");
 }
 
 #[test]
 fn unknown_format() {
-    let expected = "a trajectory (KITTI: 12 numbers a line, TUM: 8, EuRoC: at least 8 with commas)";
-    assert_eq!(
-        refused(read_trajectory, "1 2 3\n"),
-        format!("DIR/file:1: found 3 fields, expected {expected}")
-    );
-    assert_eq!(refused(read_trajectory, ""), format!("DIR/file: found no data, expected {expected}"));
+    let expected = "a trajectory (KITTI: 12 numbers a line, 13 with a frame number or time in front; TUM: 8; EuRoC: at \
+                    least 8 with commas)";
+    assert_eq!(refused(None, "1 2 3\n"), format!("DIR/file:1: found 3 fields, expected {expected}"));
+    assert_eq!(refused(None, ""), format!("DIR/file: found no data, expected {expected}"));
     let folder = Folder::new();
     assert_eq!(
-        folder.hide(read_trajectory(&folder.file("none")).unwrap_err()),
+        folder.hide(read_trajectory(&folder.file("none"), None).unwrap_err()),
         format!("DIR/none: no such file, expected {expected}")
     );
 }
@@ -255,7 +301,7 @@ fn writing_replaces_the_whole_file_and_leaves_nothing_else() {
     assert!(folder.file("a/b").is_dir());
     write_tum(&folder.file("t.txt"), &curve(20, 1.0)).unwrap();
     write_tum(&folder.file("t.txt"), &curve(2, 1.0)).unwrap();
-    assert_eq!(read_tum(&folder.file("t.txt")).unwrap().poses.len(), 2);
+    assert_eq!(read(&folder.file("t.txt")).poses.len(), 2);
     assert_eq!(folder.names(), ["a", "t.txt"]);
     // A folder in the way: nothing is renamed over it and no temporary file stays.
     assert!(write_tum(&folder.file("a"), &curve(2, 1.0)).is_err());

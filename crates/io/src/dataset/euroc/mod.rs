@@ -5,8 +5,9 @@ mod images;
 
 use std::path::{Path, PathBuf};
 
+use super::truth;
 use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
-use crate::trajectory::read_euroc;
+use crate::trajectory::TrajectoryFormat;
 use images::{Image, ImageList};
 
 /// The folder with the cameras' folders: `dir/mav0` or `dir` itself; `None` when this is no EuRoC sequence.
@@ -19,7 +20,7 @@ pub(super) fn open(dir: &Path, root: &Path, options: &OpenOptions) -> Result<Seq
     let mut warnings = Vec::new();
     let sensor = choose_sensor(dir, root, options.sensor, &mut warnings)?;
     let left = ImageList::read(&root.join("cam0"))?;
-    let frames = match sensor {
+    let frames: Vec<FrameSource> = match sensor {
         Sensor::Stereo => {
             let right = ImageList::read(&root.join("cam1"))?;
             let pairs = images::pair(&left, &right, &mut warnings)?;
@@ -30,7 +31,8 @@ pub(super) fn open(dir: &Path, root: &Path, options: &OpenOptions) -> Result<Seq
     };
     left.warn_of_missing(&mut warnings)?;
     let cameras = calibration::read(root, sensor, &mut warnings)?;
-    let truth = root.join("state_groundtruth_estimate0/data.csv");
+    let usual = [root.join("state_groundtruth_estimate0/data.csv")];
+    let ground_truth = truth::read(options, &usual, TrajectoryFormat::Euroc, &frames, &mut warnings)?;
     Ok(Sequence {
         name: sequence_name(dir),
         kind: SequenceKind::Euroc,
@@ -39,7 +41,7 @@ pub(super) fn open(dir: &Path, root: &Path, options: &OpenOptions) -> Result<Seq
         calibration: cameras.calibration,
         raw_calibration: cameras.raw,
         rectification: cameras.views,
-        ground_truth: if truth.is_file() { Some(read_euroc(&truth)?) } else { None },
+        ground_truth,
         body_from_left: cameras.body_from_left,
         frame_rate_hz: None,
         warnings,

@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use super::camera_file::{self, CameraFile};
 use super::cameras::Cameras;
 use super::kitti::read_times;
+use super::truth;
 use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
 use crate::file::{FileError, counted};
 use crate::images::{ImageSize, image_size};
-use crate::trajectory::read_tum;
+use crate::trajectory::TrajectoryFormat;
 
 /// Names of the sub-folders for the left and the right camera.
 const PAIRS: [[&str; 2]; 3] = [["left", "right"], ["image_0", "image_1"], ["cam0", "cam1"]];
@@ -56,7 +57,7 @@ pub(super) fn open(
     let (sensor, packing) = choose(&pictures, file.as_ref(), options.sensor, &mut warnings)?;
     let rate = file.as_ref().and_then(|file| file.frame_rate_hz);
     let times_s = times(dir, images.left.len(), rate.unwrap_or(options.frame_rate_hz))?;
-    let frames = match (&images.right, sensor) {
+    let frames: Vec<FrameSource> = match (&images.right, sensor) {
         (Some(right), Sensor::Stereo) => pair_frames(&images, right, &times_s, &mut warnings)?,
         _ => images
             .left
@@ -66,7 +67,8 @@ pub(super) fn open(
             .collect(),
     };
     let cameras = file.as_ref().map_or(Ok(Cameras::default()), |file| file.cameras(sensor))?;
-    let truth = dir.join("groundtruth.txt");
+    let usual = [dir.join("groundtruth.txt")];
+    let ground_truth = truth::read(options, &usual, TrajectoryFormat::Tum, &frames, &mut warnings)?;
     Ok(Sequence {
         name: folder_name(dir),
         kind: SequenceKind::Images,
@@ -75,7 +77,7 @@ pub(super) fn open(
         calibration: cameras.calibration,
         raw_calibration: cameras.raw,
         rectification: cameras.views,
-        ground_truth: if truth.is_file() { Some(read_tum(&truth)?) } else { None },
+        ground_truth,
         body_from_left: cameras.body_from_left,
         frame_rate_hz: rate,
         warnings,
