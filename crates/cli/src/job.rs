@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
-use dsslam::Session;
 use dsslam::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
+use dsslam::{Finished, Session};
 use eval::plot::{TrajectoryFigure, View, save_png};
 use io::Sequence;
-use runtime::{FrameRecord, Journal, RunOutcome, Schedule};
+use runtime::{FrameRecord, Journal, Schedule};
 
 use crate::args::ShowArgs;
 use crate::clock::StopWatch;
@@ -92,10 +92,11 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
         console::note(console::warning(notice));
     }
     let mut audience = Audience::gather(job)?;
-    let outcome = match &job.replay {
+    let finished = match &job.replay {
         None => session.run_until(&mut audience, stop).or_input()?,
         Some(journal) => session.replay(journal, &mut audience, stop).or_input()?,
     };
+    let outcome = &finished.outcome;
     audience.progress.finish();
     for remark in session.input().feed().remarks() {
         console::note(console::warning(&remark));
@@ -105,8 +106,8 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
     let compared = truth.map(|truth| Compared::new(&outcome.frames, truth, sensor, &sequence.body_from_left));
     let evaluation = compared.as_ref().map(|compared| compared.evaluate(sensor));
     let truth = compared.as_ref().zip(evaluation.as_ref());
-    let written = write_results(job, context, &outcome, truth).or_output();
-    audience.leave(&outcome, written.as_ref().ok(), job.folder.path());
+    let written = write_results(job, context, &finished, truth).or_output();
+    audience.leave(outcome, written.as_ref().ok(), job.folder.path());
     let summary = written?;
     if job.json {
         console::say(json(&summary).or_output()?);
@@ -133,10 +134,10 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
 fn write_results(
     job: &Job,
     context: summary::Context,
-    outcome: &RunOutcome,
+    finished: &Finished,
     truth: Option<(&Compared<'_>, &Result<Evaluation>)>,
 ) -> Result<Summary> {
-    let (folder, sequence) = (&job.folder, job.sequence());
+    let (folder, sequence, outcome) = (&job.folder, job.sequence(), &finished.outcome);
     let kitti = folder.file("trajectory.kitti.txt");
     io::write_kitti(&kitti, &pose_per_frame(&outcome.frames))?;
     io::write_tum(&folder.file("trajectory.tum.txt"), &tracked_poses(&outcome.frames))?;
@@ -144,7 +145,7 @@ fn write_results(
         io::write_tum(&folder.file("trajectory_body.tum.txt"), &tracked_poses(&body))?;
     }
     write_truth(job)?;
-    let map_sha256 = write_extras(job, outcome)?;
+    let map_sha256 = write_extras(job, finished)?;
     folder.write("frames.csv", frames_csv(&outcome.frames).as_bytes())?;
     folder.write("loops.csv", loops_csv(&outcome.loops).as_bytes())?;
     folder.write("config.yaml", job.session.input().config().to_yaml().as_bytes())?;
@@ -178,12 +179,12 @@ fn json(summary: &Summary) -> Result<String> {
 }
 
 /// Writes map and journal where that is wanted; returns the checksum of the map's file.
-fn write_extras(job: &Job, outcome: &RunOutcome) -> Result<Option<String>> {
+fn write_extras(job: &Job, finished: &Finished) -> Result<Option<String>> {
     if let Some(file) = &job.extras.journal {
-        io::write_atomic(file, &outcome.journal.to_json())?;
+        io::write_atomic(file, &finished.outcome.journal.to_json())?;
     }
     let Some(file) = &job.extras.save_map else { return Ok(None) };
-    Ok(Some(job.session.save_map(file, &outcome.map)?))
+    Ok(Some(finished.save_map(file)?))
 }
 
 /// The estimate, aligned where that is possible, over the true path; frames without a pose are gaps.

@@ -48,11 +48,11 @@ fn options(args: &RunArgs) -> Result<SessionOptions> {
     options.input.sensor = args.sensor;
     options.input.calibration = args.calib.clone();
     options.input.max_frames = args.max_frames.map(|n| n as usize);
-    options.network = args.network.options();
-    options.vocabulary = args.vocab.clone();
-    options.start_map = args.load_map.clone();
-    options.localize_only = args.localize;
-    options.schedule = match args.schedule {
+    options.slam.network = args.network.options();
+    options.slam.vocabulary = args.vocab.clone();
+    options.slam.start_map = args.load_map.clone();
+    options.slam.localize_only = args.localize;
+    options.slam.schedule = match args.schedule {
         Some(ScheduleArg::Live) => Some(Schedule::Live { realtime: args.realtime }),
         // Of a camera it is live and at its pace in any case.
         None if !args.realtime || dsslam::is_camera(&args.sequence) => None,

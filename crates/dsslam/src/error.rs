@@ -118,9 +118,72 @@ pub enum Error {
         /// What comes instead.
         problem: VideoError,
     },
+    /// The configuration's camera has no image size.
+    #[error("camera.width and camera.height: found none, expected the size of the images in pixels")]
+    NoImageSize,
+    /// A frame that was not taken.
+    #[error("the frame at {t_ns} ns: {problem}")]
+    Frame {
+        /// Its time, nanoseconds.
+        t_ns: i64,
+        /// What is wrong.
+        problem: FrameProblem,
+    },
     /// The run cannot begin.
     #[error(transparent)]
     Run(#[from] RunError),
+}
+
+/// Why a frame was not taken.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FrameProblem {
+    /// An image does not have the size of the camera.
+    #[error("found {found} pixels in the {image} image, expected {expected} as the camera has")]
+    Size {
+        /// `left`, `right`, `depth` or `mask`.
+        image: &'static str,
+        /// Its size.
+        found: ImageSize,
+        /// That of the camera.
+        expected: ImageSize,
+    },
+    /// There are fewer values than the size says.
+    #[error(
+        "found {found} values in the {image} image, expected at least {expected} with a stride of {stride}"
+    )]
+    Short {
+        /// `left`, `right`, `depth` or `mask`.
+        image: &'static str,
+        /// Values that are there.
+        found: usize,
+        /// Values that the size asks for.
+        expected: usize,
+        /// From a row to the next.
+        stride: usize,
+    },
+    /// An image of the sensor is not there.
+    #[error("found no {image} image, expected one with sensor {sensor}")]
+    Missing {
+        /// `right` or `depth`.
+        image: &'static str,
+        /// The sensor.
+        sensor: Sensor,
+    },
+    /// There is an image that the sensor does not have.
+    #[error("found a {image} image, expected none with sensor {sensor}")]
+    Unexpected {
+        /// `right` or `depth`.
+        image: &'static str,
+        /// The sensor.
+        sensor: Sensor,
+    },
+    /// Time does not go on.
+    #[error("expected a time after that of the last frame, {last_ns} ns")]
+    Time {
+        /// Time of the last frame that was taken, nanoseconds.
+        last_ns: i64,
+    },
 }
 
 impl Error {

@@ -1,18 +1,18 @@
 //! Something to run on, opened: a folder of images, a video, a camera or a rendered world, with the configuration that it leaves in
-//! force. This is the only way from a path and a configuration to frames and a [`Setup`].
+//! force.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use features::{Extractor, ExtractorConfig, FeatureMask, Rig};
-use io::{Config, FeatureSettings, ImageSize, OpenOptions, Sensor, Sequence};
-use runtime::{FrameFeed, Preparation, SequenceFeed, Setup};
+use features::{Extractor, Rig};
+use io::{Config, FeatureSettings, OpenOptions, Sensor, Sequence};
+use runtime::{FrameFeed, SequenceFeed, Setup};
 use synth::World;
 
+use crate::intake::Intake;
 use crate::video::{self, Opened};
 use crate::video_feed::VideoFeed;
-use crate::{Error, NetworkOptions, network, rendered, setup};
+use crate::{Error, NetworkOptions, rendered};
 
 /// How a folder, a video or a camera is opened.
 #[derive(Clone, Debug, Default)]
@@ -31,19 +31,13 @@ pub struct InputOptions {
 
 /// Frames with their camera and the configuration in force.
 pub struct Input {
-    path: PathBuf,
-    sequence: Sequence,
-    config: Config,
-    /// Of the raw images of one camera.
-    size: ImageSize,
-    preparation: Preparation,
+    intake: Intake,
     feed: Box<dyn FrameFeed + Send>,
-    notices: Vec<String>,
 }
 
 impl fmt::Debug for Input {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Input").field("sequence", &self.sequence.name).field("size", &self.size).finish()
+        f.debug_struct("Input").field("intake", &self.intake).finish_non_exhaustive()
     }
 }
 
@@ -64,11 +58,9 @@ impl Input {
         if video::is_video(path) || video::is_camera(path) {
             let opened = Opened::new(path, &opening)?;
             let (sequence, size) = (opened.video.sequence.clone(), opened.video.size);
-            let (config, notices) = in_force(config, &sequence);
-            setup::check_size(size, path, &config)?;
-            let preparation = Preparation::new(&sequence, config.input.scale);
-            let feed = Box::new(VideoFeed::new(opened, preparation.clone(), max_frames));
-            return Ok(Self { path: path.to_path_buf(), sequence, config, size, preparation, feed, notices });
+            let intake = Intake::new(path, sequence, Some(size), config)?;
+            let feed = Box::new(VideoFeed::new(opened, intake.preparation.clone(), max_frames));
+            return Ok(Self { intake, feed });
         }
         Self::files(path, io::open_sequence_with(path, &opening)?, config, max_frames)
     }
@@ -87,11 +79,9 @@ impl Input {
         config: &Config,
         max_frames: Option<usize>,
     ) -> Result<Self, Error> {
-        let (config, notices) = in_force(config, &sequence);
-        let size = setup::image_size(&sequence, &config)?;
-        let preparation = Preparation::new(&sequence, config.input.scale);
-        let feed = Box::new(SequenceFeed::prepared(&sequence, preparation.clone(), max_frames));
-        Ok(Self { path: path.to_path_buf(), sequence, config, size, preparation, feed, notices })
+        let intake = Intake::new(path, sequence, None, config)?;
+        let feed = SequenceFeed::prepared(&intake.sequence, intake.preparation.clone(), max_frames);
+        Ok(Self { intake, feed: Box::new(feed) })
     }
 
     /// A rendered world, whose frames are rendered when they are asked for.
@@ -102,32 +92,10 @@ impl Input {
         let sensor = options.sensor.or(config.input.sensor).unwrap_or(Sensor::Stereo);
         let len = options.max_frames.map_or(world.n_frames(), |max| max.min(world.n_frames()));
         let sequence = rendered::sequence(&world, len, sensor)?;
-        let (path, size) = (PathBuf::from(&sequence.name), rendered::image_size(&world));
-        let (config, notices) = in_force(config, &sequence);
-        setup::check_size(size, &path, &config)?;
-        let preparation = Preparation::new(&sequence, config.input.scale);
-        let feed = Box::new(rendered::RenderedFeed::new(world, len, sensor, preparation.clone()));
-        Ok(Self { path, sequence, config, size, preparation, feed, notices })
-    }
-
-    /// Name, sensor, calibration and ground truth; the list of files is empty where frames are not files.
-    pub fn sequence(&self) -> &Sequence {
-        &self.sequence
-    }
-
-    /// The configuration in force: with the camera and the frame rate of the dataset.
-    pub fn config(&self) -> &Config {
-        &self.config
-    }
-
-    /// What the user should know before the run.
-    pub fn notices(&self) -> &[String] {
-        &self.notices
-    }
-
-    /// Whether the frames come from a camera: they cannot be had twice.
-    pub fn is_camera(&self) -> bool {
-        video::is_camera(&self.path)
+        let (name, size) = (PathBuf::from(&sequence.name), rendered::image_size(&world));
+        let intake = Intake::new(&name, sequence, Some(size), config)?;
+        let feed = rendered::RenderedFeed::new(world, len, sensor, intake.preparation.clone());
+        Ok(Self { intake, feed: Box::new(feed) })
     }
 
     /// The frames, reduced and rectified.
@@ -135,28 +103,38 @@ impl Input {
         self.feed.as_ref()
     }
 
-    /// Where features may be taken: not where `input.mask` is 0, nor in a border that rectification leaves; `None`: everywhere.
-    ///
-    /// # Errors
-    /// A mask that is not an image, or has another size than the images.
-    pub fn mask(&self, extractor: &ExtractorConfig) -> Result<Option<FeatureMask>, Error> {
-        let wanted = setup::wanted_mask(&self.config, self.size)?;
-        Ok(self.preparation.mask(extractor, wanted.as_ref()))
+    /// Name, sensor, calibration and ground truth; the list of files is empty where frames are not files.
+    pub fn sequence(&self) -> &Sequence {
+        &self.intake.sequence
+    }
+
+    /// The configuration in force: with the camera and the frame rate of the dataset.
+    pub fn config(&self) -> &Config {
+        &self.intake.config
+    }
+
+    /// What the user should know before the run.
+    pub fn notices(&self) -> &[String] {
+        &self.intake.notices
+    }
+
+    /// Whether the frames come from a camera: they cannot be had twice.
+    pub fn is_camera(&self) -> bool {
+        video::is_camera(&self.intake.path)
     }
 
     /// The settings of features in force, those of the sensor.
     pub fn features(&self) -> FeatureSettings {
-        self.config.features.with_sensor(self.sequence.sensor)
+        self.intake.features()
     }
 
-    /// What extracts features of the left image; with a network that selects among them, its candidates.
+    /// What extracts features of the left image where the configuration's mask allows it; with a network that selects among
+    /// features, its candidates.
     ///
     /// # Errors
-    /// As [`Input::mask`].
+    /// A mask that is not an image, or has another size than the images.
     pub fn extractor(&self) -> Result<Extractor, Error> {
-        let config = setup::extractor(&self.features());
-        let mask = self.mask(&config)?;
-        Ok(Extractor::new(config).with_mask(mask.map(Arc::new)))
+        self.intake.extractor()
     }
 
     /// The camera after reduction and rectification.
@@ -164,7 +142,7 @@ impl Input {
     /// # Errors
     /// A camera that nobody gives.
     pub fn rig(&self) -> Result<Rig, Error> {
-        setup::rig(&self.config, self.sequence.sensor, self.size, &self.path)
+        self.intake.rig()
     }
 
     /// Camera, parameters, mask and network of a run, without vocabulary.
@@ -172,21 +150,10 @@ impl Input {
     /// # Errors
     /// A camera that nobody gives, a mask or a network that cannot be used.
     pub fn setup(&self, options: &NetworkOptions) -> Result<Setup, Error> {
-        let mut setup = setup::from_config(&self.config, self.sequence.sensor, self.rig()?);
-        setup.mask = self.mask(&setup.extractor)?.map(Arc::new);
-        setup.selection = network::selection(&self.features(), options)?;
-        Ok(setup)
+        self.intake.setup(options)
     }
-}
 
-/// The configuration with what the sequence knows better, its camera and its frame rate; and what the user should know of it.
-fn in_force(config: &Config, sequence: &Sequence) -> (Config, Vec<String>) {
-    let mut config = config.clone();
-    let mut notices = sequence.warnings.clone();
-    if let Some(calibration) = &sequence.calibration {
-        notices.extend(config.apply_calibration(calibration));
+    pub(crate) fn intake(&self) -> &Intake {
+        &self.intake
     }
-    let source = sequence.calibration.as_ref().map_or(&sequence.name, |calibration| &calibration.source);
-    notices.extend(sequence.frame_rate_hz.and_then(|rate| config.apply_frame_rate(rate, source)));
-    (config, notices)
 }

@@ -2,21 +2,32 @@
 //!
 //! A [`Session`] runs over a dataset, a video, a camera or a rendered world.
 
+mod camera;
 mod error;
+mod finished;
 mod input;
+mod intake;
 mod maps;
 mod network;
+mod options;
 mod rendered;
 mod session;
 mod setup;
 pub mod trajectories;
 mod video;
 mod video_feed;
+mod view;
 
-pub use error::Error;
+pub use camera::Camera;
+pub use error::{Error, FrameProblem};
+pub use finished::Finished;
+pub use geometry::{Distortion, Pinhole, SE3, StereoRig};
 pub use input::{Input, InputOptions};
-pub use maps::{load_map, save_map, sha256, vocabulary};
+pub use io::{Config, Sensor};
+pub use maps::{load_map, sha256, vocabulary};
 pub use network::{NetworkOptions, load as load_network, open as open_network};
+pub use options::SlamOptions;
 pub use session::{Session, SessionOptions};
 pub use setup::extractor;
 pub use video::is_camera;
+pub use view::{DepthView, ImageView, Images, PixelFormat};

@@ -42,7 +42,7 @@ pub fn load_map(file: &Path, sensor: Sensor) -> Result<Map, Error> {
 ///
 /// # Errors
 /// A file that cannot be written; an older one is then untouched.
-pub fn save_map(file: &Path, map: &Map, info: &MapFileInfo) -> Result<String, Error> {
+pub(crate) fn save_map(file: &Path, map: &Map, info: &MapFileInfo) -> Result<String, Error> {
     let bytes = map::file::encode(map, info);
     io::write_durable(file, &bytes)?;
     Ok(sha256(&bytes))

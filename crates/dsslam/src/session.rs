@@ -1,31 +1,22 @@
 //! A run over something that has all its frames at hand: a dataset, a video, a camera, a rendered world.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use io::Config;
-use map::{Map, MapFileInfo};
-use runtime::{Journal, Observer, RunOutcome, Schedule, Setup};
+use runtime::{Journal, Observer, RunError, RunOutcome, Schedule, Setup};
 use synth::World;
 
-use crate::{Error, Input, InputOptions, NetworkOptions, maps, trajectories};
+use crate::{Error, Finished, Input, InputOptions, SlamOptions};
 
-/// How a session is opened; the default does what a configuration says.
+/// How a session is opened; the default does what the configuration says.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct SessionOptions {
     /// What is read.
     pub input: InputOptions,
-    /// The activation network.
-    pub network: NetworkOptions,
-    /// File of a vocabulary; `None`: the one that is part of the library.
-    pub vocabulary: Option<PathBuf>,
-    /// File of a map to start with.
-    pub start_map: Option<PathBuf>,
-    /// Only finds the camera in the start map and inserts nothing.
-    pub localize_only: bool,
-    /// How the stages share time; `None`: [`Schedule::Lockstep`], for a camera [`Schedule::Live`].
-    pub schedule: Option<Schedule>,
+    /// How SLAM starts.
+    pub slam: SlamOptions,
 }
 
 /// A run that can begin: everything that can be checked has been checked.
@@ -63,14 +54,10 @@ impl Session {
 
     fn of(input: Input, options: &SessionOptions) -> Result<Self, Error> {
         let mut notices = input.notices().to_vec();
-        let mut setup = input.setup(&options.network)?;
         // What a camera delivers while tracking is behind would pile up.
-        let default = if input.is_camera() { Schedule::Live { realtime: true } } else { Schedule::default() };
-        setup.schedule = options.schedule.unwrap_or(default);
-        setup.vocabulary = Some(maps::vocabulary(options.vocabulary.as_deref())?);
-        let sensor = input.sequence().sensor;
-        setup.start = options.start_map.as_deref().map(|file| maps::load_map(file, sensor)).transpose()?;
-        setup.slam.tracking.localize_only = options.localize_only;
+        let schedule =
+            if input.is_camera() { Schedule::Live { realtime: true } } else { Schedule::default() };
+        let mut setup = options.slam.setup(input.intake(), schedule)?;
         if input.is_camera() && setup.calibration_frames > 0 {
             setup.calibration_frames = 0;
             notices.push(
@@ -105,7 +92,7 @@ impl Session {
     ///
     /// # Errors
     /// No frames, or a thread that cannot be started.
-    pub fn run(&self, observer: &mut dyn Observer) -> Result<RunOutcome, Error> {
+    pub fn run(&self, observer: &mut dyn Observer) -> Result<Finished, Error> {
         self.run_until(observer, &AtomicBool::new(false))
     }
 
@@ -113,8 +100,8 @@ impl Session {
     ///
     /// # Errors
     /// As [`Session::run`].
-    pub fn run_until(&self, observer: &mut dyn Observer, stop: &AtomicBool) -> Result<RunOutcome, Error> {
-        Ok(runtime::run(self.input.feed(), &self.setup, observer, stop)?)
+    pub fn run_until(&self, observer: &mut dyn Observer, stop: &AtomicBool) -> Result<Finished, Error> {
+        self.finished(runtime::run(self.input.feed(), &self.setup, observer, stop))
     }
 
     /// Does the run of a journal again, bit for bit.
@@ -126,26 +113,11 @@ impl Session {
         journal: &Journal,
         observer: &mut dyn Observer,
         stop: &AtomicBool,
-    ) -> Result<RunOutcome, Error> {
-        Ok(runtime::replay(self.input.feed(), &self.setup, journal, observer, stop)?)
+    ) -> Result<Finished, Error> {
+        self.finished(runtime::replay(self.input.feed(), &self.setup, journal, observer, stop))
     }
 
-    /// Writes a map of this session whole or not at all; returns the SHA-256 of its file, hexadecimal.
-    ///
-    /// # Errors
-    /// A file that cannot be written; an older one is then untouched.
-    pub fn save_map(&self, file: &Path, map: &Map) -> Result<String, Error> {
-        let sequence = self.input.sequence();
-        let vocabulary = self.setup.vocabulary.as_ref();
-        let info = MapFileInfo {
-            sensor: Some(sequence.sensor),
-            program_version: env!("CARGO_PKG_VERSION").to_owned(),
-            sequence: sequence.name.clone(),
-            configuration: self.input.config().to_yaml(),
-            vocabulary_sha256: vocabulary
-                .map_or(String::new(), |vocabulary| maps::sha256(vocabulary.as_bytes())),
-            body_from_left: trajectories::body_text(sequence.sensor, &sequence.body_from_left),
-        };
-        maps::save_map(file, map, &info)
+    fn finished(&self, outcome: Result<RunOutcome, RunError>) -> Result<Finished, Error> {
+        Ok(Finished::new(outcome?, self.input.intake(), &self.setup))
     }
 }

@@ -19,13 +19,13 @@ pub use config::{
 };
 pub use dataset::{
     Calibration, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera, RectifiedView,
-    Sequence, SequenceKind, Video, open_sequence, open_sequence_with, open_video,
+    Sequence, SequenceKind, Video, open_cameras, open_sequence, open_sequence_with, open_video,
 };
 pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use geometry::Sensor;
 pub use images::{
-    ImageError, ImageSize, LoadedFrame, Preview, Rgb, image_size, load_depth, load_frame, load_gray,
-    load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
+    ImageError, ImageSize, LoadedFrame, Preview, Rgb, brightness, image_size, load_depth, load_frame,
+    load_gray, load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
 };
 pub use trajectory::{
     StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory, write_euroc,

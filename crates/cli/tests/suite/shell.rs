@@ -21,7 +21,7 @@ fn completions_know_every_command() {
 #[test]
 fn bash_accepts_its_completions() {
     let (_, text) = dsslam(&["completions", "bash"]);
-    let script = format!("{text}\ncomplete -p dsslam-cli");
+    let script = format!("{text}\ncomplete -p dsslam");
     let Ok(output) = Command::new("bash").args(["-c", &script]).output() else {
         println!("skipped: bash is not on this machine");
         return;

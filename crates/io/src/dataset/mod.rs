@@ -24,7 +24,7 @@ use crate::trajectory::Trajectory;
 
 pub use error::DatasetError;
 pub use raw::{RawCalibration, RawCamera, RectifiedView};
-pub use video::{Video, open_video};
+pub use video::{Video, open_cameras, open_video};
 
 /// The layout of a dataset's folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

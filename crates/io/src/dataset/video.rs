@@ -18,6 +18,45 @@ pub struct Video {
     pub size: ImageSize,
 }
 
+/// The cameras of a calibration file as a sequence without frames, with the size of their raw images; `sensor`: `None` for stereo
+/// where the file has two cameras, else mono.
+///
+/// # Errors
+/// [`DatasetError`] for a broken calibration file, and for stereo with one camera.
+pub fn open_cameras(file: &Path, sensor: Option<Sensor>) -> Result<(Sequence, ImageSize), DatasetError> {
+    let calibration = camera_file::read(file)?;
+    let [first, rest @ ..] = &calibration.cameras[..] else {
+        let reason = "the calibration file has no camera".to_owned();
+        let sensor = sensor.unwrap_or(Sensor::Mono);
+        return Err(DatasetError::SensorUnavailable { path: file.to_path_buf(), sensor, reason });
+    };
+    let sensor = sensor.unwrap_or(if rest.is_empty() { Sensor::Mono } else { Sensor::Stereo });
+    if sensor == Sensor::Stereo && rest.is_empty() {
+        let reason = "the calibration file has one camera".to_owned();
+        return Err(DatasetError::SensorUnavailable { path: file.to_path_buf(), sensor, reason });
+    }
+    let cameras = calibration.cameras(sensor)?;
+    let sequence = sequence(file, sensor, cameras, calibration.frame_rate_hz);
+    Ok((sequence, first.size))
+}
+
+/// A sequence without frames that is called as the file.
+fn sequence(path: &Path, sensor: Sensor, cameras: Cameras, frame_rate_hz: Option<f64>) -> Sequence {
+    Sequence {
+        name: path.file_stem().map_or_else(|| folder_name(path), |stem| stem.to_string_lossy().into_owned()),
+        kind: SequenceKind::Video,
+        sensor,
+        frames: Vec::new(),
+        calibration: cameras.calibration,
+        raw_calibration: cameras.raw,
+        rectification: cameras.views,
+        ground_truth: None,
+        body_from_left: cameras.body_from_left,
+        frame_rate_hz,
+        warnings: Vec::new(),
+    }
+}
+
 /// A video whose frames have this size, with the calibration file of `options`.
 ///
 /// # Errors
@@ -50,18 +89,7 @@ pub fn open_video(path: &Path, frame: ImageSize, options: &OpenOptions) -> Resul
         );
     }
     let cameras = file.as_ref().map_or(Ok(Cameras::default()), |file| file.cameras(sensor))?;
-    let sequence = Sequence {
-        name: path.file_stem().map_or_else(|| folder_name(path), |stem| stem.to_string_lossy().into_owned()),
-        kind: SequenceKind::Video,
-        sensor,
-        frames: Vec::new(),
-        calibration: cameras.calibration,
-        raw_calibration: cameras.raw,
-        rectification: cameras.views,
-        ground_truth: None,
-        body_from_left: cameras.body_from_left,
-        frame_rate_hz: file.as_ref().and_then(|file| file.frame_rate_hz),
-        warnings,
-    };
+    let frame_rate_hz = file.as_ref().and_then(|file| file.frame_rate_hz);
+    let sequence = Sequence { warnings, ..sequence(path, sensor, cameras, frame_rate_hz) };
     Ok(Video { sequence, packing, size })
 }

@@ -9,7 +9,7 @@ const BLUE: u32 = 3735;
 const SHIFT: u32 = 15;
 
 /// Brightness of one pixel.
-fn brightness(red: u8, green: u8, blue: u8) -> u8 {
+pub fn brightness(red: u8, green: u8, blue: u8) -> u8 {
     let sum = u32::from(red) * RED + u32::from(green) * GREEN + u32::from(blue) * BLUE;
     ((sum + (1 << (SHIFT - 1))) >> SHIFT) as u8
 }

@@ -16,6 +16,7 @@ use crate::dataset::{FrameSource, Packing};
 pub use decode::{image_size, load_depth, load_gray, load_rgb};
 pub use encode::{Preview, preview, save_png_depth, save_png_gray, save_png_rgb};
 pub use error::{ImageError, ImageSize};
+pub use gray::brightness;
 pub(crate) use halves::half_size;
 pub use resize::{reduce_depth, reduce_gray};
 

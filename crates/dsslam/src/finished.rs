@@ -1,0 +1,62 @@
+//! What a run leaves: trajectory, map, loops, and the map's file.
+
+use std::path::Path;
+
+use geometry::SE3;
+use io::{Sensor, Trajectory};
+use map::MapFileInfo;
+use runtime::{RunOutcome, Setup};
+
+use crate::intake::Intake;
+use crate::{Error, maps, trajectories};
+
+/// The results of a run.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Finished {
+    /// Frames with their final poses, map, loops, statistics and times.
+    pub outcome: RunOutcome,
+    /// Pose of the left camera in the body; the identity where the camera is the body.
+    pub body_from_left: SE3,
+    /// What goes into the map's file beside the map.
+    info: MapFileInfo,
+}
+
+impl Finished {
+    pub(crate) fn new(outcome: RunOutcome, intake: &Intake, setup: &Setup) -> Self {
+        let sequence = &intake.sequence;
+        let vocabulary = setup.vocabulary.as_ref();
+        let info = MapFileInfo {
+            sensor: Some(sequence.sensor),
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            sequence: sequence.name.clone(),
+            configuration: intake.config.to_yaml(),
+            vocabulary_sha256: vocabulary.map_or(String::new(), |words| maps::sha256(words.as_bytes())),
+            body_from_left: trajectories::body_text(sequence.sensor, &sequence.body_from_left),
+        };
+        Self { outcome, body_from_left: sequence.body_from_left, info }
+    }
+
+    /// Poses `world_from_cam` of the left camera at the frames that were tracked, after all corrections of the map; metres, of
+    /// one camera in the map's own unit.
+    pub fn trajectory(&self) -> Trajectory {
+        trajectories::tracked_poses(&self.outcome.frames)
+    }
+
+    /// As [`Finished::trajectory`], of the body where the cameras have one, such as the inertial unit of a EuRoC folder.
+    pub fn body_trajectory(&self) -> Trajectory {
+        let sensor = self.info.sensor.unwrap_or(Sensor::Mono);
+        match trajectories::body_records(&self.outcome.frames, sensor, &self.body_from_left) {
+            Some(records) => trajectories::tracked_poses(&records),
+            None => self.trajectory(),
+        }
+    }
+
+    /// Writes the map whole or not at all; returns the SHA-256 of its file, hexadecimal.
+    ///
+    /// # Errors
+    /// A file that cannot be written; an older one is then untouched.
+    pub fn save_map(&self, file: &Path) -> Result<String, Error> {
+        maps::save_map(file, &self.outcome.map, &self.info)
+    }
+}

@@ -1,0 +1,116 @@
+//! From the images of a camera to those that SLAM sees, and from a configuration to the parameters of a run. There is no other way
+//! to either: datasets, videos, cameras, rendered worlds and pushed images all take this one.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use features::{Extractor, ExtractorConfig, FeatureMask, Rig};
+use geometry::GrayImage;
+use io::{Config, FeatureSettings, ImageSize, Sequence};
+use runtime::{Preparation, Setup};
+
+use crate::{Error, NetworkOptions, network, setup};
+
+/// A camera with the configuration that it leaves in force.
+#[derive(Clone, Debug)]
+pub(crate) struct Intake {
+    /// What messages call the images.
+    pub(crate) path: PathBuf,
+    /// Sensor, calibration, ground truth; its list of files may be empty.
+    pub(crate) sequence: Sequence,
+    /// With the camera and the frame rate of the sequence.
+    pub(crate) config: Config,
+    /// Size of the raw images of one camera.
+    pub(crate) size: ImageSize,
+    /// Reduces and rectifies.
+    pub(crate) preparation: Preparation,
+    /// What the user should know before the run.
+    pub(crate) notices: Vec<String>,
+}
+
+impl Intake {
+    /// The intake of a sequence whose raw images have this size; `None`: that of its files.
+    ///
+    /// # Errors
+    /// Images of another size than the configuration's camera, or none that can be read.
+    pub(crate) fn new(
+        path: &Path,
+        sequence: Sequence,
+        size: Option<ImageSize>,
+        config: &Config,
+    ) -> Result<Self, Error> {
+        let (config, notices) = in_force(config, &sequence);
+        let size = match size {
+            None => setup::image_size(&sequence, &config)?,
+            Some(size) => {
+                setup::check_size(size, path, &config)?;
+                size
+            }
+        };
+        let preparation = Preparation::new(&sequence, config.input.scale);
+        Ok(Self { path: path.to_path_buf(), sequence, config, size, preparation, notices })
+    }
+
+    /// Where features may be taken: not where `wanted` or else the configuration's mask is 0, nor in a border that rectification
+    /// leaves; `None`: everywhere.
+    ///
+    /// # Errors
+    /// A mask that is not an image, or has another size than the images.
+    pub(crate) fn mask(
+        &self,
+        extractor: &ExtractorConfig,
+        wanted: Option<&GrayImage>,
+    ) -> Result<Option<FeatureMask>, Error> {
+        if wanted.is_some() {
+            return Ok(self.preparation.mask(extractor, wanted));
+        }
+        let configured = setup::wanted_mask(&self.config, self.size)?;
+        Ok(self.preparation.mask(extractor, configured.as_ref()))
+    }
+
+    /// The settings of features in force, those of the sensor.
+    pub(crate) fn features(&self) -> FeatureSettings {
+        self.config.features.with_sensor(self.sequence.sensor)
+    }
+
+    /// What extracts features of the left image; with a network that selects among them, its candidates.
+    ///
+    /// # Errors
+    /// As [`Intake::mask`].
+    pub(crate) fn extractor(&self) -> Result<Extractor, Error> {
+        let config = setup::extractor(&self.features());
+        let mask = self.mask(&config, None)?;
+        Ok(Extractor::new(config).with_mask(mask.map(Arc::new)))
+    }
+
+    /// The camera after reduction and rectification.
+    ///
+    /// # Errors
+    /// A camera that nobody gives.
+    pub(crate) fn rig(&self) -> Result<Rig, Error> {
+        setup::rig(&self.config, self.sequence.sensor, self.size, &self.path)
+    }
+
+    /// Camera, parameters, mask and network of a run, without vocabulary.
+    ///
+    /// # Errors
+    /// A camera that nobody gives, a mask or a network that cannot be used.
+    pub(crate) fn setup(&self, options: &NetworkOptions) -> Result<Setup, Error> {
+        let mut setup = setup::from_config(&self.config, self.sequence.sensor, self.rig()?);
+        setup.mask = self.mask(&setup.extractor, None)?.map(Arc::new);
+        setup.selection = network::selection(&self.features(), options)?;
+        Ok(setup)
+    }
+}
+
+/// The configuration with what the sequence knows better, its camera and its frame rate; and what the user should know of it.
+fn in_force(config: &Config, sequence: &Sequence) -> (Config, Vec<String>) {
+    let mut config = config.clone();
+    let mut notices = sequence.warnings.clone();
+    if let Some(calibration) = &sequence.calibration {
+        notices.extend(config.apply_calibration(calibration));
+    }
+    let source = sequence.calibration.as_ref().map_or(&sequence.name, |calibration| &calibration.source);
+    notices.extend(sequence.frame_rate_hz.and_then(|rate| config.apply_frame_rate(rate, source)));
+    (config, notices)
+}
