@@ -144,9 +144,11 @@ fn the_report_tells_what_the_definitions_give() {
             let (camera, point) = (&solution.cameras[o.camera as usize], &solution.points[o.point as usize]);
             let expected = common::chi_sq(rig, camera, point, o).unwrap();
             assert!((solution.chi_sq[i] - expected).abs() < 1e-9 * (1.0 + expected));
-            assert!(solution.in_front[i]);
-            n_inliers += usize::from(expected <= if o.right_u.is_nan() { CHI2_MONO } else { CHI2_STEREO });
+            let inlier = expected <= if o.right_u.is_nan() { CHI2_MONO } else { CHI2_STEREO };
+            assert_eq!(solution.inliers[i], inlier);
+            n_inliers += usize::from(inlier);
         }
+        assert_eq!(problem.inliers(&solution.cameras, &solution.points), solution.inliers);
         assert_eq!(solution.report.n_inliers, n_inliers);
         assert!(solution.report.iterations > 1 && solution.report.iterations <= 10);
     }

@@ -108,8 +108,8 @@ fn points_behind_a_camera_are_told_and_pull_nothing() {
     problem.points[point as usize..].copy_from_slice(&truth.points[point as usize..]);
     problem.cameras[2] = truth.cameras[2];
     let solution = solve(&problem);
-    assert!(!solution.in_front[n], "3 m behind the camera");
-    assert!(solution.in_front[..n].iter().all(|&f| f));
+    assert!(!solution.inliers[n], "3 m behind the camera");
+    assert!(solution.inliers[..n].iter().all(|&inlier| inlier));
     assert_eq!(solution.chi_sq[n..], [1e6, 1e6]);
     assert_eq!(solution.points[point as usize..], truth.points[point as usize..]);
     assert!(solution.chi_sq[..n].iter().all(|&c| c < 1e-6), "the others are disturbed");

@@ -6,7 +6,7 @@ use bow::Vocabulary;
 use features::{DepthConfig, ExtractorConfig, FeatureMask, FrameBuilder, Rig, StereoConfig};
 use geometry::Sensor;
 use map::Map;
-use slam::{Params, Places, World};
+use slam::{KeyframeDatabase, Params, World};
 
 use crate::faults::Faults;
 use crate::fingerprint::Fingerprint;
@@ -111,7 +111,7 @@ impl Setup {
 
     /// The world that a run begins with.
     pub(crate) fn world(&self) -> World {
-        let places = Places::new(self.vocabulary.clone()).weighted(self.slam.weights.words);
+        let places = KeyframeDatabase::new(self.vocabulary.clone()).weighted(self.slam.weights.words);
         match &self.start {
             None => World { map: Map::new(), places },
             Some(map) => World { places: places.with_map(map), map: map.clone() },

@@ -5,10 +5,11 @@
 //! the cost of a bundle adjustment and is where that cost is lowest (Cvisic et al., arXiv 2109.03462, refine a full
 //! calibration in this way; the offset alone is what matters most for scale).
 
-use std::collections::BTreeMap;
-
 use map::{KeyframeId, Map};
-use optim::{BundleObservation, BundleOptions, BundleProblem, refine_bundle};
+use optim::{BundleOptions, BundleProblem, refine_bundle};
+
+use crate::noise::Noise;
+use crate::problem::MapProblem;
 
 /// An offset with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,26 +78,9 @@ fn cost_at(problem: &BundleProblem, offset_px: f64) -> f64 {
 
 /// All keyframes and well observed points as one problem; the first keyframe is fixed.
 fn whole_map(map: &Map) -> Option<BundleProblem> {
-    let rig = map.keyframes().next()?.frame.rig.stereo;
-    let index: BTreeMap<KeyframeId, u32> =
-        map.keyframes().enumerate().map(|(i, kf)| (kf.id, i as u32)).collect();
-    let mut points = Vec::new();
-    let mut observations = Vec::new();
-    for point in map.points().filter(|point| point.observations().len() >= MIN_TRACK) {
-        for observation in point.observations() {
-            let frame = &map.keyframe(observation.keyframe)?.frame;
-            let feature = observation.feature as usize;
-            observations.push(BundleObservation {
-                camera: *index.get(&observation.keyframe)?,
-                point: points.len() as u32,
-                pixel: frame.pixel(feature),
-                right_u: f64::from(frame.right_u[feature]),
-                inv_sigma_sq: frame.inv_sigma_sq(feature) / (SIGMA_PX * SIGMA_PX),
-            });
-        }
-        points.push(point.position);
-    }
-    let cameras: Vec<_> = map.keyframes().map(|kf| kf.cam_from_world).collect();
-    let fixed = (0..cameras.len()).map(|i| i == 0).collect();
-    Some(BundleProblem { rig, cameras, fixed, points, observations })
+    let keyframes: Vec<KeyframeId> = map.keyframes().map(|kf| kf.id).collect();
+    let first = *keyframes.first()?;
+    let points = map.points().filter(|point| point.observations().len() >= MIN_TRACK).map(|p| p.id).collect();
+    let noise = Noise { sigma_px: SIGMA_PX, weighted: false };
+    MapProblem::new(map, keyframes, points, noise, |id| id == first).map(|whole| whole.problem)
 }

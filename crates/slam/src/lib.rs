@@ -7,27 +7,30 @@
 
 mod assign;
 mod calibrate;
-mod guided;
+mod keyframe_database;
 pub mod loops;
 pub mod lost;
 pub mod mapper;
+mod match_keyframe;
 mod noise;
 pub mod params;
-mod places;
 mod pose;
 pub mod probe;
+mod problem;
+mod search;
+mod seed;
 pub mod tracker;
 mod visibility;
 mod world;
 
 pub use calibrate::{OffsetEstimate, estimate_disparity_offset};
+pub use keyframe_database::KeyframeDatabase;
 pub use loops::{
     GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, LoopReport, NoLoop, adjust_globally,
 };
 pub use lost::{Lost, NotReady};
 pub use mapper::{Mapper, MappingReport};
 pub use params::{LoopParams, MappingParams, Params, TrackingParams, Weights};
-pub use places::Places;
 pub use probe::{NoProbe, Probe, Stage, staged};
 pub use tracker::{
     InitialPair, KeyframeReason, KeyframeRequest, NoPair, Placement, TrackState, TrackStats, Tracked, Tracker,

@@ -1,11 +1,12 @@
-//! From matches to a pose: the bridge to motion-only optimisation.
+//! From matches to a pose: by RANSAC where none is known, by motion-only optimisation where one is.
 
 use features::Frame;
-use geometry::{SE3, Vec3};
+use geometry::{PnpEstimator, RansacOptions, SE3, Vec3, ransac};
 use map::{Map, PointId};
-use optim::{PoseObservation, PoseOptions, refine_pose};
+use optim::{CHI2_MONO, PoseObservation, PoseOptions, refine_pose};
 
 use crate::noise::{Noise, information};
+use crate::params::Weights;
 
 /// A refined pose and the matches that agree with it.
 #[derive(Clone, Debug)]
@@ -55,4 +56,29 @@ pub(crate) fn refine(
     let (cam_from_world, agrees) = refine_with_positions(frame, initial, &positions, noise);
     let inliers = living.iter().zip(agrees).filter(|(_, agrees)| *agrees).map(|(m, _)| (m.0, m.1)).collect();
     RefinedPose { cam_from_world, inliers }
+}
+
+/// Pose by P3P and RANSAC, samples and scores weighted by the features' activation if that counts.
+pub(crate) fn pose_by_ransac(
+    frame: &Frame,
+    map: &Map,
+    matches: &[(u32, PointId)],
+    weights: Weights,
+    seed: u64,
+) -> Option<SE3> {
+    let mut pixels = Vec::with_capacity(matches.len());
+    let mut points: Vec<Vec3> = Vec::with_capacity(matches.len());
+    let mut thresholds_sq = Vec::with_capacity(matches.len());
+    let mut trust = Vec::with_capacity(matches.len());
+    for &(feature, id) in matches {
+        let Some(point) = map.point(id) else { continue };
+        let i = feature as usize;
+        pixels.push(frame.pixel(i));
+        points.push(point.position);
+        thresholds_sq.push(CHI2_MONO / frame.inv_sigma_sq(i));
+        trust.push(weights.of_sample(frame, i));
+    }
+    let estimator = PnpEstimator::new(frame.rig.stereo.camera, &pixels, &points, &thresholds_sq);
+    let options = RansacOptions { max_iterations: 300, confidence: 0.99, seed, ..RansacOptions::default() };
+    ransac(&estimator, Some(&trust), &options).map(|found| found.model)
 }

@@ -1,8 +1,9 @@
-//! Whether a map point should be seen by a camera, and where (orbslam2.md section 2, "Point visibility test").
+//! Which map points a camera should see, and where (ORB-SLAM, Mur-Artal et al. 2015, section V-D, "Track Local Map").
 
 use features::Frame;
 use geometry::{SE3, Vec3};
-use map::MapPoint;
+use map::{Map, MapPoint, PointId};
+use rayon::prelude::*;
 
 /// Cosine of the largest angle between a point's mean viewing direction and the ray to it: 60 degrees.
 const MIN_VIEW_COS: f64 = 0.5;
@@ -22,6 +23,32 @@ pub(crate) struct Projection {
     pub(crate) view_cos: f64,
 }
 
+/// A point with the place where it should appear.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Visible<'m> {
+    pub(crate) point: &'m MapPoint,
+    pub(crate) projection: Projection,
+}
+
+/// Those of the `points` that should be visible from a pose, in their order, without the `known` ones.
+pub(crate) fn visible_points<'m>(
+    frame: &Frame,
+    map: &'m Map,
+    cam_from_world: &SE3,
+    points: &[PointId],
+    known: impl Iterator<Item = PointId>,
+) -> Vec<Visible<'m>> {
+    let mut known: Vec<PointId> = known.collect();
+    known.sort_unstable();
+    let center = cam_from_world.center();
+    let visible = |&id: &PointId| {
+        let point = known.binary_search(&id).is_err().then(|| map.point(id))??;
+        let projection = project_visible(frame, cam_from_world, &center, point)?;
+        Some(Visible { point, projection })
+    };
+    points.par_iter().with_min_len(256).filter_map(visible).collect()
+}
+
 /// Projects a world position to `(u, v, u_right)`; `None` behind the camera or outside the image.
 pub(crate) fn project_inside(frame: &Frame, cam_from_world: &SE3, position: &Vec3) -> Option<Vec3> {
     let point_cam = *cam_from_world * *position;
@@ -38,7 +65,7 @@ pub(crate) fn project_inside(frame: &Frame, cam_from_world: &SE3, position: &Vec
 }
 
 /// The full test: in front, inside the image, within the distance range, seen from a similar direction.
-pub(crate) fn project_visible(
+fn project_visible(
     frame: &Frame,
     cam_from_world: &SE3,
     center: &Vec3,
@@ -59,7 +86,7 @@ pub(crate) fn project_visible(
 }
 
 /// The octave at which a point of range `max_distance_m` appears from `distance_m`.
-pub(crate) fn predict_octave(frame: &Frame, max_distance_m: f64, distance_m: f64) -> u8 {
+fn predict_octave(frame: &Frame, max_distance_m: f64, distance_m: f64) -> u8 {
     let factor = f64::from(frame.scales.factor);
     let levels = frame.scales.scales.len();
     let octave = ((max_distance_m / distance_m).ln() / factor.ln()).ceil();

@@ -14,7 +14,7 @@ use geometry::{SE3, StereoRig, Vec2, Vec3};
 use crate::report::Report;
 use crate::robust::MAX_CHI_SQ;
 use crate::simd::Lanes;
-use model::ObservationModel;
+use model::{ObservationModel, Point};
 use rig::{RigCamera, RigModel, RigObservation};
 use solver::{Edge, Graph, minimize_with};
 
@@ -76,8 +76,9 @@ pub struct BundleSolution {
     pub points: Vec<Vec3>,
     /// Whitened squared error per observation, in input order; 1e6 where it is larger or the point is behind the camera.
     pub chi_sq: Vec<f64>,
-    /// Per observation whether its point lies in front of its camera.
-    pub in_front: Vec<bool>,
+    /// Per observation whether its point lies in front of its camera and its error within the 95 % limit
+    /// ([`crate::CHI2_MONO`] or [`crate::CHI2_STEREO`]).
+    pub inliers: Vec<bool>,
     /// How the solve went.
     pub report: Report,
 }
@@ -101,11 +102,7 @@ pub(crate) fn refine_bundle_with(
     lanes: Lanes,
 ) -> BundleSolution {
     let model = RigModel::new(&problem.rig);
-    let edges = problem.observations.iter().map(|o| Edge {
-        camera: o.camera,
-        point: o.point,
-        observation: RigObservation::new(o.pixel.x, o.pixel.y, o.right_u, o.inv_sigma_sq),
-    });
+    let edges = problem.observations.iter().map(edge);
     let graph = Graph {
         cameras: problem.cameras.iter().map(|&pose| RigCamera::new(pose)).collect(),
         fixed: problem.fixed.clone(),
@@ -113,21 +110,14 @@ pub(crate) fn refine_bundle_with(
         edges: edges.clone().collect(),
     };
     let minimum = minimize_with(&model, graph, options, lanes);
-    let mut chi_sq = Vec::with_capacity(edges.len());
-    let mut in_front = Vec::with_capacity(edges.len());
-    let mut n_inliers = 0;
-    for Edge { camera, point, observation } in edges {
-        let (camera, point) = (&minimum.cameras[camera as usize], &minimum.points[point as usize]);
-        let error = model.chi_sq(camera, point, &observation).unwrap_or(MAX_CHI_SQ);
-        n_inliers += usize::from(error <= observation.chi_sq_limit());
-        chi_sq.push(error);
-        in_front.push(camera.is_in_front(point));
-    }
+    let (chi_sq, inliers): (Vec<f64>, Vec<bool>) =
+        judge(&model, edges, &minimum.cameras, &minimum.points).unzip();
+    let n_inliers = inliers.iter().filter(|&&inlier| inlier).count();
     BundleSolution {
         cameras: minimum.cameras.iter().map(|camera| camera.cam_from_world).collect(),
         points: minimum.points.iter().map(|&p| Vec3::from(p)).collect(),
         chi_sq,
-        in_front,
+        inliers,
         report: Report {
             initial_cost: minimum.initial_cost,
             final_cost: minimum.final_cost,
@@ -136,4 +126,37 @@ pub(crate) fn refine_bundle_with(
             stop: minimum.stop,
         },
     }
+}
+
+impl BundleProblem {
+    /// Which observations would be inliers with these poses and points, as [`BundleSolution::inliers`] says of a solution.
+    ///
+    /// # Panics
+    /// When an observation names a camera or point that does not exist.
+    #[must_use]
+    pub fn inliers(&self, cameras: &[SE3], points: &[Vec3]) -> Vec<bool> {
+        let cameras: Vec<RigCamera> = cameras.iter().map(|&pose| RigCamera::new(pose)).collect();
+        let points: Vec<Point> = points.iter().map(|&p| p.into()).collect();
+        let edges = self.observations.iter().map(edge);
+        judge(&RigModel::new(&self.rig), edges, &cameras, &points).map(|(_, inlier)| inlier).collect()
+    }
+}
+
+fn edge(o: &BundleObservation) -> Edge<RigObservation> {
+    let observation = RigObservation::new(o.pixel.x, o.pixel.y, o.right_u, o.inv_sigma_sq);
+    Edge { camera: o.camera, point: o.point, observation }
+}
+
+/// Squared error of each edge, whitened and capped, and whether it is within its limit.
+fn judge(
+    model: &RigModel,
+    edges: impl Iterator<Item = Edge<RigObservation>>,
+    cameras: &[RigCamera],
+    points: &[Point],
+) -> impl Iterator<Item = (f64, bool)> {
+    edges.map(|Edge { camera, point, observation }| {
+        let error = model.chi_sq(&cameras[camera as usize], &points[point as usize], &observation);
+        let error = error.unwrap_or(MAX_CHI_SQ);
+        (error, error <= observation.chi_sq_limit())
+    })
 }

@@ -35,11 +35,6 @@ impl RigCamera {
         let (r, t, x) = (&self.rotation, &self.translation, point_world);
         std::array::from_fn(|i| r[i][0] * x[0] + r[i][1] * x[1] + r[i][2] * x[2] + t[i])
     }
-
-    /// Whether the point lies in front of the camera.
-    pub fn is_in_front(&self, point_world: &Point) -> bool {
-        self.transform(point_world)[2] > MIN_DEPTH_M
-    }
 }
 
 /// One measurement of the rig.

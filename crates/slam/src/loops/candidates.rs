@@ -1,12 +1,14 @@
-//! Which keyframes may show the same place: those that look alike, and those that should be near (orbslam2.md section 5).
+//! Which keyframes may show the same place: those that look alike, and those that should be near (ORB-SLAM,
+//! Mur-Artal et al. 2015, section VII-A).
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use bow::{BowVector, PlaceMatch};
+use bow::BowVector;
 use map::{KeyframeId, Map};
 
 use super::outcome::NoLoop;
-use super::prior::PositionPrior;
+use super::position_prior::PositionPrior;
+use crate::keyframe_database::Alike;
 use crate::params::LoopParams;
 use crate::world::World;
 
@@ -34,18 +36,16 @@ pub(super) fn find(
     let (Some(current), Some((bow, _))) = (map.keyframe(keyframe), world.places.of(keyframe)) else {
         return Err(NoLoop::NoPlaces);
     };
-    let near: BTreeSet<u32> =
-        current.covisible().iter().map(|(id, _)| id.0).chain(std::iter::once(keyframe.0)).collect();
+    let near: BTreeSet<KeyframeId> =
+        current.covisible().iter().map(|&(id, _)| id).chain(std::iter::once(keyframe)).collect();
     let min_score = lowest_covisible_score(current, bow, world, params.min_covisible_weight);
     let prior = PositionPrior::new(map, keyframe, params);
-    let alike = world.places.index().query(bow, |id| near.contains(&id) || !prior.allows(KeyframeId(id)));
+    let alike = world.places.alike(bow, |id| !near.contains(&id) && prior.allows(id));
     let best_score = alike.first().map_or(0.0, |m| m.score);
     let mut found = strongest_groups(map, &alike, min_score);
-    let nearby = prior.nearby(MAX_NEARBY, |id| {
-        let similar = |m: &&PlaceMatch| m.keyframe == id.0 && m.score >= NEARBY_SCORE * min_score;
-        !near.contains(&id.0) && alike.iter().any(|m| similar(&m))
-    });
-    found.extend(nearby);
+    let similar = alike.iter().filter(|a| a.score >= NEARBY_SCORE * min_score);
+    let similar: BTreeSet<KeyframeId> = similar.map(|a| a.keyframe).collect();
+    found.extend(prior.nearby(MAX_NEARBY, |id| similar.contains(&id)));
     let mut once = BTreeSet::new();
     found.retain(|id| once.insert(*id));
     if found.is_empty() { Err(NoLoop::Alone { best_score, min_score }) } else { Ok(found) }
@@ -62,13 +62,13 @@ fn lowest_covisible_score(current: &map::Keyframe, bow: &BowVector, world: &Worl
 }
 
 /// The best member of every group whose summed score comes near that of the best group, best first.
-pub(crate) fn strongest_groups(map: &Map, alike: &[PlaceMatch], min_score: f64) -> Vec<KeyframeId> {
+pub(crate) fn strongest_groups(map: &Map, alike: &[Alike], min_score: f64) -> Vec<KeyframeId> {
     let most_words = alike.iter().map(|m| m.shared_words).max().unwrap_or(0);
     let scores: BTreeMap<KeyframeId, f64> = alike
         .iter()
         .filter(|m| f64::from(m.shared_words) > MIN_SHARED_WORDS * f64::from(most_words))
-        .filter(|m| map.keyframe(KeyframeId(m.keyframe)).is_some())
-        .map(|m| (KeyframeId(m.keyframe), m.score))
+        .filter(|m| map.keyframe(m.keyframe).is_some())
+        .map(|m| (m.keyframe, m.score))
         .collect();
     let mut groups: Vec<(f64, KeyframeId)> = scores
         .iter()

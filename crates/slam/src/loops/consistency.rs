@@ -1,4 +1,5 @@
-//! Consistency in time: a place must look alike from several keyframes in a row (orbslam2.md section 5).
+//! Consistency in time: a place must look alike from several keyframes in a row (ORB-SLAM, Mur-Artal et al. 2015,
+//! section VII-A).
 
 use std::collections::BTreeSet;
 

@@ -6,10 +6,10 @@ use map::{Correction, KeyframeCorrection, KeyframeId, Map};
 use optim::{PoseGraphEdge, PoseGraphOptions, PoseGraphProblem, refine_pose_graph};
 
 use super::LoopCorrection;
-use super::graph::EssentialGraph;
+use super::cycle_test;
+use super::essential_graph::EssentialGraph;
 use super::outcome::NoLoop;
-use super::prior::submap_members;
-use super::trial;
+use super::position_prior::submap_members;
 use super::verify::Verified;
 use crate::params::Params;
 
@@ -49,7 +49,7 @@ pub(super) fn correct(
         let rigid = verified.cam_from_world * there.cam_from_world.inverse();
         let here_from_there = Sim3::new(rigid.rotation, rigid.translation * scale, scale);
         let graph = EssentialGraph::new(map, keyframe, params.loops.essential_weight);
-        trial::test(&graph, map, keyframe, verified.matched, &rigid, params)?;
+        cycle_test::test(&graph, map, keyframe, verified.matched, &rigid, params)?;
         let keyframes = if params.sensor.is_scale_free() {
             solve_similar(&graph, map, keyframe, verified.matched, &here_from_there, params.loops.unit)
         } else {

@@ -3,11 +3,11 @@
 mod candidates;
 mod consistency;
 mod correct;
+mod cycle_test;
+mod essential_graph;
 mod global;
-mod graph;
 mod outcome;
-mod prior;
-mod trial;
+mod position_prior;
 mod verify;
 
 use map::{Correction, KeyframeId, PointId};

@@ -1,14 +1,15 @@
 //! Geometry of a loop candidate: matches by vocabulary node, weighted RANSAC, guided search, refinement, enough inliers.
 
-use bow::{DirectIndex, MatchOptions, MatchSide, match_by_node};
 use features::Frame;
-use geometry::{RansacOptions, SE3, SightedPoints, Sim3, SimilarityEstimator, Vec2, Vec3, mix_seed, ransac};
+use geometry::{RansacOptions, SE3, SightedPoints, Sim3, SimilarityEstimator, Vec2, Vec3, ransac};
 use map::{Keyframe, KeyframeId, Map, PointId};
 
 use super::outcome::NoLoop;
-use crate::guided::{Window, points_around, search_points};
+use crate::match_keyframe::{match_by_words, with_point};
 use crate::params::Params;
 use crate::pose::refine;
+use crate::search::{Window, points_around, search_points};
+use crate::seed::SeedPurpose;
 use crate::world::World;
 
 /// Error squared that RANSAC accepts, in variances (2 degrees of freedom, 99 %).
@@ -18,8 +19,6 @@ const NEIGHBOURS: usize = 15;
 /// Windows of the guided searches, one after the other.
 const WINDOWS: [Window; 2] =
     [Window { radius_px: 10.0, max_distance: 60 }, Window { radius_px: 5.0, max_distance: 75 }];
-/// Purpose of the random numbers, so that no two uses share a stream.
-const SEED_PURPOSE: u64 = 3;
 
 /// A candidate whose geometry holds.
 #[derive(Clone, Debug)]
@@ -54,7 +53,7 @@ pub(super) fn verify(
     if found < needed {
         return Err(NoLoop::TooFewMatches { found, needed });
     }
-    let seed = mix_seed(params.seed, u64::from(keyframe.0), SEED_PURPOSE + (u64::from(candidate.0) << 8));
+    let seed = SeedPurpose::LoopVerification.seed(params.seed, keyframe.0, candidate.0);
     let (here_from_there, found) = similarity(here, there, map, &pairs, params, seed);
     let (Some(here_from_there), needed) = (here_from_there, params.loops.min_ransac_inliers) else {
         return Err(NoLoop::NoGeometry { found, needed: params.loops.min_ransac_inliers });
@@ -79,31 +78,8 @@ pub(super) fn verify(
 
 /// Matches `(feature here, feature there)` of features that show points on both sides.
 fn match_places(here: &Keyframe, there: &Keyframe, world: &World) -> Vec<(u32, u32)> {
-    let (Some((_, direct_here)), Some((_, direct_there))) =
-        (world.places.of(here.id), world.places.of(there.id))
-    else {
-        return Vec::new();
-    };
-    let with_point =
-        |keyframe: &Keyframe| keyframe.points().iter().map(Option::is_some).collect::<Vec<bool>>();
-    let (eligible_here, eligible_there) = (with_point(here), with_point(there));
-    match_by_node(
-        &side(here, direct_here, &eligible_here),
-        &side(there, direct_there, &eligible_there),
-        &MatchOptions::default(),
-    )
-    .into_iter()
-    .map(|m| (m.a, m.b))
-    .collect()
-}
-
-fn side<'a>(keyframe: &'a Keyframe, direct: &'a DirectIndex, eligible: &'a [bool]) -> MatchSide<'a> {
-    MatchSide {
-        descriptors: &keyframe.frame.descriptors,
-        direct,
-        keypoints: Some(&keyframe.frame.keypoints),
-        eligible: Some(eligible),
-    }
+    let Some((_, direct)) = world.places.of(here.id) else { return Vec::new() };
+    match_by_words(&here.frame, direct, Some(&with_point(here)), there, &world.places)
 }
 
 /// What one camera knows of the matched points.
@@ -189,7 +165,7 @@ fn guided_refinement(
             window,
         );
         let refined = refine(&here.frame, map, verified.cam_from_world, &searched.matches, params.noise());
-        (found, visible) = (refined.inliers.len(), searched.visible);
+        (found, visible) = (refined.inliers.len(), searched.visible.len() + verified.matches.len());
         if found < params.loops.min_ransac_inliers {
             break;
         }

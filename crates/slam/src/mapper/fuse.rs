@@ -1,12 +1,12 @@
 //! Fusion of duplicates: points projected into neighbouring keyframes, and the neighbours' points into this one.
 
-use features::{ProjectionQuery, WindowMatch, search_windows};
-use map::{Keyframe, KeyframeId, Map, Observation, PointId};
+use features::WindowMatch;
+use map::{Keyframe, KeyframeId, Map, MapPoint, Observation, PointId};
 
 use super::Mapper;
-use crate::assign::one_to_one;
 use crate::noise::agrees;
-use crate::visibility::project_visible;
+use crate::search::{points_of, query, search};
+use crate::visibility::visible_points;
 
 /// Search window, pixels at octave 0.
 const RADIUS_PX: f32 = 3.0;
@@ -17,15 +17,13 @@ impl Mapper {
     /// Fuses with neighbours of first and second order; returns merges and new observations.
     pub(super) fn fuse(&mut self, keyframe: KeyframeId) -> usize {
         let targets = self.fusion_targets(keyframe);
-        let own = points_of(&self.world.map, keyframe);
+        let own = self.world.map.keyframe(keyframe).map_or(&[][..], |kf| kf.points());
+        let own: Vec<PointId> = own.iter().flatten().copied().collect();
         let mut changed = 0;
         for &target in &targets {
             changed += self.fuse_into(target, &own);
         }
-        let mut foreign: Vec<PointId> =
-            targets.iter().flat_map(|&target| points_of(&self.world.map, target)).collect();
-        foreign.sort_unstable();
-        foreign.dedup();
+        let foreign = points_of(&self.world.map, targets);
         changed + self.fuse_into(keyframe, &foreign)
     }
 
@@ -78,39 +76,14 @@ impl Mapper {
 
 /// Features of `keyframe` at which points from elsewhere appear, as `(feature, point)`.
 fn find_duplicates(map: &Map, keyframe: &Keyframe, points: &[PointId]) -> Vec<(u32, PointId)> {
-    let frame = &keyframe.frame;
-    let mut present: Vec<PointId> = keyframe.points().iter().flatten().copied().collect();
-    present.sort_unstable();
-    let center = keyframe.cam_from_world.center();
-    let mut ids = Vec::new();
-    let mut points_cam = Vec::new();
-    let mut queries = Vec::new();
-    for &id in points {
-        if present.binary_search(&id).is_ok() {
-            continue;
-        }
-        let Some(point) = map.point(id) else { continue };
-        let Some(seen) = project_visible(frame, &keyframe.cam_from_world, &center, point) else { continue };
-        ids.push(id);
-        points_cam.push(keyframe.cam_from_world * point.position);
-        queries.push(ProjectionQuery {
-            x: seen.u as f32,
-            y: seen.v as f32,
-            right_u: seen.right_u as f32,
-            radius_px: RADIUS_PX * frame.scales.scales[seen.octave as usize],
-            min_octave: seen.octave.saturating_sub(1),
-            max_octave: seen.octave,
-            descriptor: point.descriptor,
-        });
-    }
-    let finds = search_windows(frame, &queries, &vec![true; frame.len()]);
-    let fits = |query: usize, find: &WindowMatch| {
+    let (frame, cam_from_world) = (&keyframe.frame, keyframe.cam_from_world);
+    let own = keyframe.points().iter().flatten().copied();
+    let visible = visible_points(frame, map, &cam_from_world, points, own);
+    let asked = visible.iter().map(|seen| (seen.point, query(frame, seen, RADIUS_PX)));
+    let fits = |point: &MapPoint, find: &WindowMatch| {
         let feature = find.best.feature as usize;
-        find.best.distance <= MAX_DISTANCE && agrees(frame, feature, &points_cam[query], 1.0)
+        find.best.distance <= MAX_DISTANCE && agrees(frame, feature, &(cam_from_world * point.position), 1.0)
     };
-    one_to_one(&finds, frame.len(), fits).into_iter().map(|(feature, query)| (feature, ids[query])).collect()
-}
-
-fn points_of(map: &Map, keyframe: KeyframeId) -> Vec<PointId> {
-    map.keyframe(keyframe).map_or(Vec::new(), |kf| kf.points().iter().flatten().copied().collect())
+    let found = search(frame, asked, &vec![true; frame.len()], fits);
+    found.into_iter().map(|(feature, point)| (feature, point.id)).collect()
 }

@@ -7,7 +7,7 @@ mod fuse;
 mod insert;
 mod local_bundle;
 mod triangulate;
-mod two_view;
+mod triangulate_pair;
 
 use map::{KeyframeId, MapError, PointCount, PointId};
 

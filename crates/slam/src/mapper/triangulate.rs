@@ -4,7 +4,7 @@ use features::{EpipolarRange, search_epipolar_all};
 use map::{Batch, KeyframeId, Map, NewPoint, Observation};
 
 use super::Mapper;
-use super::two_view::{View, locate};
+use super::triangulate_pair::{View, locate};
 use crate::assign::one_to_one;
 
 /// Points at infinity are searched up to this depth, in baselines of the rig.

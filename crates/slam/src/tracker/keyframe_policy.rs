@@ -1,4 +1,4 @@
-//! When a frame becomes a keyframe (orbslam2.md section 3), from counts and frame numbers, never from the clock.
+//! When a frame becomes a keyframe (ORB-SLAM2, Mur-Artal and Tardos 2017, section III-E), from counts and frame numbers, never from the clock.
 
 use std::fmt;
 

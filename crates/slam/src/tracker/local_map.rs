@@ -2,16 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use features::{Frame, ProjectionQuery, search_windows};
+use features::{Frame, WindowMatch};
 use geometry::SE3;
 use map::{KeyframeId, Map, PointCount, PointId};
-use rayon::prelude::*;
 
-use super::predict::{MAX_DISTANCE_WIDE, Prediction};
-use crate::assign::one_to_one;
+use super::predict::Prediction;
 use crate::params::{Params, TrackingParams};
 use crate::pose::{RefinedPose, refine};
-use crate::visibility::{Projection, project_visible};
+use crate::search::{Found, MAX_DISTANCE_WIDE, points_of, search_points_with};
+use crate::visibility::Projection;
 
 /// Best over second-best distance, asked for when both are on the same octave.
 const MAX_RATIO: f32 = 0.8;
@@ -50,7 +49,7 @@ pub(crate) struct LocallyTracked {
 
 /// What one search of the local map gave.
 struct Searched {
-    visible: Vec<(PointId, Projection)>,
+    visible: Vec<PointId>,
     refined: RefinedPose,
     matched: Vec<(u32, PointId)>,
 }
@@ -79,14 +78,7 @@ impl LocalMap {
         let mut keyframes: Vec<KeyframeId> = voters.iter().map(|&(id, _)| id).collect();
         keyframes.truncate(params.max_local_keyframes);
         extend_with_neighbours(map, &mut keyframes, params.max_local_keyframes);
-        let mut points: Vec<PointId> = keyframes
-            .iter()
-            .filter_map(|&id| map.keyframe(id))
-            .flat_map(|kf| kf.points().iter().flatten().copied())
-            .collect();
-        points.sort_unstable();
-        points.dedup();
-        LocalMap { reference, points }
+        LocalMap { reference, points: points_of(map, keyframes) }
     }
 
     /// Searches the points that the frame does not have yet and optimises the pose with all matches.
@@ -130,37 +122,24 @@ impl LocalMap {
         factor: f32,
         params: &Params,
     ) -> Searched {
-        let visible = self.visible(frame, map, &start.cam_from_world, &start.matches);
-        let mut matches = start.matches.clone();
-        matches.extend(search(frame, map, &visible, &start.matches, factor));
-        matches.sort_unstable();
-        let refined = refine(frame, map, start.cam_from_world, &matches, params.noise());
+        let radius_px = |seen: &Projection| {
+            let radius = if seen.view_cos > HEAD_ON_COS { RADIUS_HEAD_ON_PX } else { RADIUS_OBLIQUE_PX };
+            radius * factor
+        };
+        let Prediction { cam_from_world, matches, .. } = start;
+        let Found { matches, visible } =
+            search_points_with(frame, map, cam_from_world, &self.points, matches, radius_px, is_clear);
+        let refined = refine(frame, map, *cam_from_world, &matches, params.noise());
         Searched { visible, refined, matched: matches }
     }
+}
 
-    /// The local points that the frame should see and that are not matched yet.
-    fn visible(
-        &self,
-        frame: &Frame,
-        map: &Map,
-        cam_from_world: &SE3,
-        matched: &[(u32, PointId)],
-    ) -> Vec<(PointId, Projection)> {
-        let mut taken: Vec<PointId> = matched.iter().map(|&(_, id)| id).collect();
-        taken.sort_unstable();
-        let center = cam_from_world.center();
-        self.points
-            .par_iter()
-            .with_min_len(256)
-            .filter_map(|&id| {
-                if taken.binary_search(&id).is_ok() {
-                    return None;
-                }
-                let point = map.point(id)?;
-                project_visible(frame, cam_from_world, &center, point).map(|projection| (id, projection))
-            })
-            .collect()
-    }
+/// Similar enough, and clearly more so than another feature of the same octave.
+fn is_clear(find: &WindowMatch) -> bool {
+    let ambiguous = find.second.is_some_and(|second| {
+        second.octave == find.best.octave && find.best.distance as f32 > MAX_RATIO * second.distance as f32
+    });
+    find.best.distance <= MAX_DISTANCE_WIDE && !ambiguous
 }
 
 /// For each voter the first unused among its best covisible keyframes, one child, and its parent.
@@ -196,56 +175,9 @@ fn extend_with_neighbours(map: &Map, keyframes: &mut Vec<KeyframeId>, max: usize
     }
 }
 
-/// Matches of visible points with features that have none yet.
-fn search(
-    frame: &Frame,
-    map: &Map,
-    visible: &[(PointId, Projection)],
-    matched: &[(u32, PointId)],
-    radius_factor: f32,
-) -> Vec<(u32, PointId)> {
-    let mut free = vec![true; frame.len()];
-    for &(feature, _) in matched {
-        free[feature as usize] = false;
-    }
-    let queries: Vec<ProjectionQuery> = visible
-        .iter()
-        .filter_map(|(id, projection)| {
-            let radius =
-                if projection.view_cos > HEAD_ON_COS { RADIUS_HEAD_ON_PX } else { RADIUS_OBLIQUE_PX };
-            let scale = frame.scales.scales[projection.octave as usize];
-            map.point(*id).map(|point| ProjectionQuery {
-                x: projection.u as f32,
-                y: projection.v as f32,
-                right_u: projection.right_u as f32,
-                radius_px: radius * radius_factor * scale,
-                min_octave: projection.octave.saturating_sub(1),
-                max_octave: projection.octave,
-                descriptor: point.descriptor,
-            })
-        })
-        .collect();
-    let finds = search_windows(frame, &queries, &free);
-    let accept = |find: &features::WindowMatch| {
-        let ambiguous = find.second.is_some_and(|second| {
-            second.octave == find.best.octave
-                && find.best.distance as f32 > MAX_RATIO * second.distance as f32
-        });
-        find.best.distance <= MAX_DISTANCE_WIDE && !ambiguous
-    };
-    one_to_one(&finds, frame.len(), |_, find| accept(find))
-        .into_iter()
-        .map(|(feature, query)| (feature, visible[query].0))
-        .collect()
-}
-
 /// Statistics of the frame: matched and visible points were to be seen, inliers were found.
-fn count(
-    visible: &[(PointId, Projection)],
-    matched: &[(u32, PointId)],
-    inliers: &[(u32, PointId)],
-) -> Vec<PointCount> {
-    let mut counts: BTreeMap<PointId, u32> = visible.iter().map(|&(id, _)| (id, 0)).collect();
+fn count(visible: &[PointId], matched: &[(u32, PointId)], inliers: &[(u32, PointId)]) -> Vec<PointCount> {
+    let mut counts: BTreeMap<PointId, u32> = visible.iter().map(|&id| (id, 0)).collect();
     counts.extend(matched.iter().map(|&(_, id)| (id, 0)));
     for &(_, id) in inliers {
         counts.insert(id, 1);

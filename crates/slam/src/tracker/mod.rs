@@ -1,14 +1,13 @@
 //! Tracking: a frame and an immutable map give a pose, or a reason why there is none.
 
-mod initial;
+mod initializer;
 mod keyframe_policy;
 mod last_frame;
 mod local_map;
-
+mod motion_model;
 mod predict;
-mod recover;
-mod relocalise;
-mod velocity;
+mod relocalize;
+mod track_reference_keyframe;
 
 use std::sync::Arc;
 
@@ -20,14 +19,14 @@ use crate::lost::{Lost, NotReady};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::world::World;
-use initial::Initialiser;
-pub use initial::{InitialPair, NoPair};
+use initializer::Initializer;
+pub use initializer::{InitialPair, NoPair};
 pub use keyframe_policy::KeyframeReason;
 pub(crate) use keyframe_policy::stereo_observations;
 use last_frame::LastFrame;
 use local_map::{LocalMap, LocallyTracked};
+use motion_model::MotionModel;
 use predict::{Attempt, Prediction};
-use velocity::Velocity;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,13 +112,13 @@ pub struct Tracker {
     params: Params,
     last: Option<LastFrame>,
     /// The first view of a monocular map that is about to start.
-    initialiser: Option<Initialiser>,
+    initializer: Option<Initializer>,
     /// The frame that was handed over to start a sub-map and is not seen in the map yet.
     starting: Option<Arc<Frame>>,
     /// Frames in a row that are lost although a map could be started with them.
     lost_frames: u32,
     /// How the camera moved between the last two frames; `None` after a start or a loss.
-    velocity: Option<Velocity>,
+    velocity: Option<MotionModel>,
     /// Index of the frame that last became a keyframe.
     last_keyframe_index: u32,
 }
@@ -130,7 +129,7 @@ impl Tracker {
         Tracker {
             params,
             last: None,
-            initialiser: None,
+            initializer: None,
             starting: None,
             lost_frames: 0,
             velocity: None,
@@ -178,10 +177,10 @@ impl Tracker {
         probe: &mut dyn Probe,
     ) -> Tracked {
         self.lost_frames = 0;
-        self.initialiser = None;
+        self.initializer = None;
         self.velocity = last.filter(|_| !stats.relocalised).map(|last| {
             let seconds = last.seconds_to(frame);
-            Velocity::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
+            MotionModel::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
         });
         let pose = RelativePose::new(map, local.reference, local.cam_from_reference);
         let keyframe = staged(probe, Stage::Decide, || self.decide_keyframe(frame, map, &local, mapper_idle))
@@ -217,9 +216,9 @@ impl Tracker {
         probe: &mut dyn Probe,
     ) -> Result<(LocallyTracked, TrackStats), Lost> {
         let attempts = match (last, self.velocity) {
-            (Some(_), Some(_)) => &[Attempt::Motion, Attempt::Recovery, Attempt::Relocalisation][..],
-            (Some(_), None) => &[Attempt::Recovery, Attempt::Motion, Attempt::Relocalisation],
-            (None, _) => &[Attempt::Relocalisation],
+            (Some(_), Some(_)) => &[Attempt::Motion, Attempt::ReferenceKeyframe, Attempt::Relocalization][..],
+            (Some(_), None) => &[Attempt::ReferenceKeyframe, Attempt::Motion, Attempt::Relocalization],
+            (None, _) => &[Attempt::Relocalization],
         };
         let map = &world.map;
         let mut reason: Option<Lost> = None;
@@ -236,7 +235,7 @@ impl Tracker {
                             });
                         let (found, needed) = (local.matches.len(), self.params.tracking.min_inliers);
                         if found >= needed {
-                            let relocalised = attempt == Attempt::Relocalisation;
+                            let relocalised = attempt == Attempt::Relocalization;
                             let stats = TrackStats { relocalised, ..stats_of(&predicted, &local) };
                             return Ok((local, stats));
                         }
@@ -255,7 +254,7 @@ impl Tracker {
         let (found, needed) = (frame.n_with_depth(), self.params.tracking.min_initial_depths);
         let mut pair = None;
         if self.params.sensor.is_scale_free() {
-            match Initialiser::advance(&mut self.initialiser, frame, cam_from_world, &self.params) {
+            match Initializer::advance(&mut self.initializer, frame, cam_from_world, &self.params) {
                 Ok(found) => pair = Some(Arc::new(found)),
                 Err(reason) => return not_tracked(TrackState::NotReady(NotReady::NoPair(reason)), None),
             }

@@ -1,19 +1,18 @@
 //! The first pose of a frame: by the motion model, else by the reference keyframe, else by recovery.
 
-use features::{Frame, ProjectionQuery, consistent_rotations, search_windows};
+use features::{Frame, ProjectionQuery, WindowMatch};
 use geometry::{SE3, Vec3};
 use map::{Map, PointId};
 
+use super::Tracker;
 use super::last_frame::LastFrame;
-use super::{Tracker, recover, relocalise};
-use crate::assign::one_to_one;
+use super::relocalize::relocalize;
+use super::track_reference_keyframe::track_reference_keyframe;
 use crate::lost::Lost;
 use crate::pose::{RefinedPose, refine_with_positions};
+use crate::search::{MAX_DISTANCE_WIDE, consistent_in_rotation, search};
 use crate::visibility::project_inside;
 use crate::world::World;
-
-/// Largest descriptor distance of a match by projection (of 256 bits).
-pub(crate) const MAX_DISTANCE_WIDE: u32 = 100;
 
 /// Windows tried in turn, in units of the usual radius.
 const WIDENINGS: [f32; 3] = [1.0, 2.0, 4.0];
@@ -35,9 +34,9 @@ pub(super) enum Attempt {
     /// The last frame's points, searched where a constant velocity puts them.
     Motion,
     /// Descriptors matched against the keyframes around the last one, without any prediction.
-    Recovery,
+    ReferenceKeyframe,
     /// Descriptors matched against the keyframes that look alike, wherever they are.
-    Relocalisation,
+    Relocalization,
 }
 
 impl Tracker {
@@ -51,10 +50,10 @@ impl Tracker {
     ) -> Result<Prediction, Lost> {
         match (attempt, last) {
             (Attempt::Motion, Some(last)) => self.predict_by_motion(frame, &world.map, last),
-            (Attempt::Recovery, Some(last)) => {
-                recover::recover(frame, &world.map, last, &self.params).map(Prediction::recovered)
+            (Attempt::ReferenceKeyframe, Some(last)) => {
+                track_reference_keyframe(frame, &world.map, last, &self.params).map(Prediction::recovered)
             }
-            _ => relocalise::relocalise(frame, world, &self.params).map(Prediction::recovered),
+            _ => relocalize(frame, world, &self.params).map(Prediction::recovered),
         }
     }
 
@@ -149,10 +148,8 @@ fn search_last(
 ) -> Vec<(u32, usize)> {
     let forward_m = (*last_cam_from_world * predicted.inverse()).translation.z;
     let top = (frame.scales.scales.len() - 1) as u8;
-    let mut queries = Vec::with_capacity(sources.len());
-    let mut asked = Vec::with_capacity(sources.len());
-    for (i, source) in sources.iter().enumerate() {
-        let Some(uvr) = project_inside(frame, predicted, &source.position) else { continue };
+    let asked = sources.iter().enumerate().filter_map(|(i, source)| {
+        let uvr = project_inside(frame, predicted, &source.position)?;
         let octave = last.frame.keypoints[source.feature as usize].octave;
         let (min_octave, max_octave) = if forward_m > far {
             (octave, top)
@@ -161,8 +158,7 @@ fn search_last(
         } else {
             (octave.saturating_sub(1), (octave + 1).min(top))
         };
-        asked.push(i);
-        queries.push(ProjectionQuery {
+        let query = ProjectionQuery {
             x: uvr.x as f32,
             y: uvr.y as f32,
             right_u: uvr.z as f32,
@@ -170,15 +166,12 @@ fn search_last(
             min_octave,
             max_octave,
             descriptor: last.frame.descriptors[source.feature as usize],
-        });
-    }
-    let finds = search_windows(frame, &queries, &vec![true; frame.len()]);
-    let pairs = one_to_one(&finds, frame.len(), |_, find| find.best.distance <= MAX_DISTANCE_WIDE);
-    let turn = |&(feature, query): &(u32, usize)| {
-        let before = sources[asked[query]].feature as usize;
-        last.frame.keypoints[before].angle_deg - frame.keypoints[feature as usize].angle_deg
-    };
-    let consistent = consistent_rotations(&pairs.iter().map(turn).collect::<Vec<f32>>());
-    let kept = pairs.iter().zip(consistent).filter(|(_, consistent)| *consistent);
-    kept.map(|(&(feature, query), _)| (feature, asked[query])).collect()
+        };
+        Some((i, query))
+    });
+    let accept = |_, find: &WindowMatch| find.best.distance <= MAX_DISTANCE_WIDE;
+    let matches = search(frame, asked, &vec![true; frame.len()], accept);
+    consistent_in_rotation(frame, matches, |&source| {
+        last.frame.keypoints[sources[source].feature as usize].angle_deg
+    })
 }

@@ -39,25 +39,16 @@ impl PositionPrior {
         (here - there).norm() <= self.margin_m + self.max_drift * (now - then).abs()
     }
 
-    /// The nearest keyframes that are `wanted`, within the margin, nearest first.
+    /// The nearest keyframes that are `wanted`, within the margin, nearest first; of equals the older one.
     pub(super) fn nearby(&self, most: usize, wanted: impl Fn(KeyframeId) -> bool) -> Vec<KeyframeId> {
         let Some((here, _)) = self.current else { return Vec::new() };
-        let suitable: Vec<&(KeyframeId, Vec3, f64)> = self.along.iter().filter(|k| wanted(k.0)).collect();
-        let Some(n) = std::num::NonZeroUsize::new(most).filter(|_| !suitable.is_empty()) else {
-            return Vec::new();
-        };
-        let centers: Vec<[f64; 3]> = suitable.iter().map(|k| [k.1.x, k.1.y, k.1.z]).collect();
+        let centers: Vec<[f64; 3]> = self.along.iter().map(|k| k.1.into()).collect();
         let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&centers) else { return Vec::new() };
-        let mut found: Vec<(f64, KeyframeId)> = tree
-            .query(&[here.x, here.y, here.z])
-            .nearest_n::<SquaredEuclidean<f64>>(n)
-            .execute()
-            .into_iter()
-            .filter(|near| near.distance <= self.margin_m.powi(2))
-            .map(|near| (near.distance, suitable[near.item as usize].0))
-            .collect();
+        let near = tree.query(&here.into()).within::<SquaredEuclidean<f64>>(self.margin_m.powi(2)).execute();
+        let near = near.into_iter().map(|near| (near.distance, self.along[near.item as usize].0));
+        let mut found: Vec<(f64, KeyframeId)> = near.filter(|near| wanted(near.1)).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found.into_iter().map(|(_, id)| id).collect()
+        found.into_iter().map(|(_, id)| id).take(most).collect()
     }
 
     fn find(&self, keyframe: KeyframeId) -> Option<(Vec3, f64)> {

@@ -1,11 +1,12 @@
-//! The essential graph: what holds the map together between keyframes (orbslam2.md section 5).
+//! The essential graph: what holds the map together between keyframes (ORB-SLAM, Mur-Artal et al. 2015,
+//! section III-D).
 
 use std::collections::BTreeSet;
 
 use geometry::SE3;
 use map::{KeyframeId, Map};
 
-use super::prior::submap_members;
+use super::position_prior::submap_members;
 
 /// An edge of the essential graph between two nodes.
 #[derive(Clone, Copy, Debug)]

@@ -4,7 +4,7 @@ use geometry::SE3;
 use map::{KeyframeId, Map};
 use optim::loop_test::{CycleEdge, CycleEdgeKind, LoopTestOptions, LoopVerdict, test_loop};
 
-use super::graph::EssentialGraph;
+use super::essential_graph::EssentialGraph;
 use super::outcome::NoLoop;
 use crate::params::{LoopParams, Params};
 

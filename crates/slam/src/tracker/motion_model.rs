@@ -4,7 +4,7 @@ use geometry::SE3;
 
 /// How the camera moved over a known time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Velocity {
+pub(crate) struct MotionModel {
     /// `cam_after_from_cam_before`.
     motion: SE3,
     seconds: f64,
@@ -13,11 +13,11 @@ pub(crate) struct Velocity {
 /// Longest extrapolation, in units of the time over which the motion was seen.
 const MAX_STRETCH: f64 = 20.0;
 
-impl Velocity {
+impl MotionModel {
     /// From the poses of two frames `seconds` apart.
     pub(crate) fn between(before_cam_from_world: &SE3, after_cam_from_world: &SE3, seconds: f64) -> Self {
         let motion = (*after_cam_from_world * before_cam_from_world.inverse()).normalized();
-        Velocity { motion, seconds }
+        MotionModel { motion, seconds }
     }
 
     /// The motion over `seconds`; the motion as it was seen where either time makes no sense.
@@ -38,7 +38,7 @@ mod tests {
     #[test]
     fn twice_the_time_is_the_motion_twice() {
         let step = SE3::new(SO3::exp(&Vec3::new(0.0, 0.1, 0.02)), Vec3::new(0.1, 0.0, -1.0));
-        let velocity = Velocity::between(&SE3::identity(), &step, 0.1);
+        let velocity = MotionModel::between(&SE3::identity(), &step, 0.1);
         let error = (velocity.motion_over(0.2) * (step * step).inverse()).log().norm();
         assert!(error < 1e-12, "{error}");
         assert_eq!(velocity.motion_over(0.1), velocity.motion);
@@ -48,7 +48,7 @@ mod tests {
     fn senseless_times_repeat_the_motion() {
         let step = SE3::new(SO3::identity(), Vec3::new(0.0, 0.0, -1.0));
         for (seen, asked) in [(0.0, 0.1), (0.1, 0.0), (0.1, -3.0), (f64::NAN, 1.0)] {
-            assert_eq!(Velocity::between(&SE3::identity(), &step, seen).motion_over(asked), step);
+            assert_eq!(MotionModel::between(&SE3::identity(), &step, seen).motion_over(asked), step);
         }
     }
 }

@@ -1,9 +1,10 @@
-//! Where keyframes look alike: bag-of-words vectors and direct indices of the map's keyframes.
+//! Which keyframes look alike: bag-of-words vectors and direct indices of the map's keyframes (ORB-SLAM's
+//! KeyFrameDatabase).
 
 use std::fmt;
 use std::sync::Arc;
 
-use bow::{BowVector, DirectIndex, PlaceIndex, Transformed, Vocabulary};
+use bow::{BowVector, DirectIndex, PlaceIndex, PlaceMatch, Transformed, Vocabulary};
 use features::Frame;
 use map::{KeyframeId, Map};
 
@@ -12,7 +13,7 @@ const CHUNK: usize = 64;
 
 /// What the vocabulary says about the keyframes of a map. A clone is a cheap snapshot that later changes leave alone.
 #[derive(Clone, Default)]
-pub struct Places {
+pub struct KeyframeDatabase {
     /// Without one, no place is ever recognised.
     vocabulary: Option<Arc<Vocabulary>>,
     /// Whether features count in words as far as they are trusted.
@@ -22,22 +23,31 @@ pub struct Places {
     direct: Vec<Arc<Vec<Option<Arc<DirectIndex>>>>>,
 }
 
-impl fmt::Debug for Places {
+/// A keyframe that shares words with an image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Alike {
+    pub(crate) keyframe: KeyframeId,
+    pub(crate) shared_words: u32,
+    /// From 0 to 1.
+    pub(crate) score: f64,
+}
+
+impl fmt::Debug for KeyframeDatabase {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Places").field("keyframes", &self.index.len()).finish_non_exhaustive()
+        f.debug_struct("KeyframeDatabase").field("keyframes", &self.index.len()).finish_non_exhaustive()
     }
 }
 
-impl Places {
+impl KeyframeDatabase {
     /// No places yet, in the words of a vocabulary; without one, no place will ever be recognised.
     pub fn new(vocabulary: Option<Arc<Vocabulary>>) -> Self {
-        Places { vocabulary, ..Places::default() }
+        KeyframeDatabase { vocabulary, ..KeyframeDatabase::default() }
     }
 
     /// The same, features of what is added from now on weighted by their activation if `weighted`.
     #[must_use]
     pub fn weighted(self, weighted: bool) -> Self {
-        Places { weighted, ..self }
+        KeyframeDatabase { weighted, ..self }
     }
 
     /// The same with all keyframes of a map added.
@@ -60,9 +70,15 @@ impl Places {
         Some((self.index.vector(keyframe.0)?, direct))
     }
 
-    /// The index over all keyframes.
-    pub fn index(&self) -> &PlaceIndex {
-        &self.index
+    /// All `wanted` keyframes that share a word with an image: best score first, of equals the older one.
+    pub(crate) fn alike(&self, bow: &BowVector, wanted: impl Fn(KeyframeId) -> bool) -> Vec<Alike> {
+        let found = self.index.query(bow, |id| !wanted(KeyframeId(id)));
+        let alike = |m: PlaceMatch| Alike {
+            keyframe: KeyframeId(m.keyframe),
+            shared_words: m.shared_words,
+            score: m.score,
+        };
+        found.into_iter().map(alike).collect()
     }
 
     /// Adds a keyframe; one that is there already stays as it is.

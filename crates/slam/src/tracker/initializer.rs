@@ -3,15 +3,14 @@
 use std::fmt;
 use std::sync::Arc;
 
-use features::{Frame, ProjectionQuery, consistent_rotations, search_windows};
-use geometry::{
-    SE3, TwoViewFailure, TwoViewMatches, TwoViewOptions, TwoViewReconstruction, Vec2, Vec3, mix_seed,
-};
-use optim::{BundleObservation, BundleOptions, BundleProblem, refine_bundle};
+use features::{Candidate, Frame, ProjectionQuery};
+use geometry::{SE3, TwoViewFailure, TwoViewMatches, TwoViewOptions, TwoViewReconstruction, Vec2, Vec3};
+use optim::{BundleOptions, BundleProblem, refine_bundle};
 
-use crate::assign::one_to_one;
-use crate::noise::{agrees, information};
 use crate::params::Params;
+use crate::problem::observation;
+use crate::search::{consistent_in_rotation, search};
+use crate::seed::SeedPurpose;
 
 /// Features that a frame needs to take part.
 const MIN_FEATURES: usize = 100;
@@ -28,8 +27,6 @@ const MAX_DISTANCE: u32 = 50;
 const MAX_RATIO: f32 = 0.9;
 /// Iterations of the adjustment of both views.
 const ITERATIONS: usize = 20;
-/// Purpose of the random numbers, so that no two uses share a stream.
-const SEED_PURPOSE: u64 = 4;
 
 /// Two views that start a monocular map, the first camera at `first_from_world`.
 #[derive(Clone, Debug)]
@@ -94,16 +91,16 @@ impl fmt::Display for NoPair {
 
 /// The first view, and where its features were last seen.
 #[derive(Clone, Debug)]
-pub(super) struct Initialiser {
+pub(super) struct Initializer {
     first: Arc<Frame>,
     last_seen: Vec<Vec2>,
 }
 
-impl Initialiser {
+impl Initializer {
     /// Begins with `frame`; the answer says that a single frame starts no map.
-    fn begin(slot: &mut Option<Initialiser>, frame: &Arc<Frame>) -> NoPair {
+    fn begin(slot: &mut Option<Initializer>, frame: &Arc<Frame>) -> NoPair {
         let last_seen = (0..frame.len()).map(|i| frame.pixel(i)).collect();
-        *slot = Some(Initialiser { first: frame.clone(), last_seen });
+        *slot = Some(Initializer { first: frame.clone(), last_seen });
         NoPair::First
     }
 
@@ -112,7 +109,7 @@ impl Initialiser {
     /// # Errors
     /// Why there is no pair yet; `slot` then holds what the next frame goes on with.
     pub(super) fn advance(
-        slot: &mut Option<Initialiser>,
+        slot: &mut Option<Initializer>,
         frame: &Arc<Frame>,
         first_from_world: SE3,
         params: &Params,
@@ -121,11 +118,11 @@ impl Initialiser {
             *slot = None;
             return Err(NoPair::TooFewFeatures { found: frame.len(), needed: MIN_FEATURES });
         }
-        let Some(waiting) = slot else { return Err(Initialiser::begin(slot, frame)) };
+        let Some(waiting) = slot else { return Err(Initializer::begin(slot, frame)) };
         let matches = waiting.match_with(frame);
         if matches.len() < MIN_MATCHES {
             let reason = NoPair::TooFewMatches { found: matches.len(), needed: MIN_MATCHES };
-            Initialiser::begin(slot, frame);
+            Initializer::begin(slot, frame);
             return Err(reason);
         }
         let pair = waiting.reconstruct(frame, &matches, first_from_world, params)?;
@@ -135,40 +132,29 @@ impl Initialiser {
 
     /// Matches `(feature of the first, feature of the second)`; remembers where they were seen.
     fn match_with(&mut self, frame: &Frame) -> Vec<(u32, u32)> {
-        let fine = |i: &usize| self.first.keypoints[*i].octave <= MAX_OCTAVE;
-        let asked: Vec<usize> = (0..self.first.len()).filter(fine).collect();
-        let queries: Vec<ProjectionQuery> = asked
-            .iter()
-            .map(|&i| ProjectionQuery {
+        let first = &self.first;
+        let fine = |&i: &usize| first.keypoints[i].octave <= MAX_OCTAVE;
+        let asked = (0..first.len()).filter(fine).map(|i| {
+            let query = ProjectionQuery {
                 x: self.last_seen[i].x as f32,
                 y: self.last_seen[i].y as f32,
                 right_u: f32::NAN,
                 radius_px: RADIUS_PX,
-                min_octave: self.first.keypoints[i].octave,
-                max_octave: self.first.keypoints[i].octave,
-                descriptor: self.first.descriptors[i],
-            })
-            .collect();
-        let finds = search_windows(frame, &queries, &vec![true; frame.len()]);
-        let pairs = one_to_one(&finds, frame.len(), |_, find| {
-            let clear = |second: features::Candidate| {
-                (find.best.distance as f32) < MAX_RATIO * second.distance as f32
+                min_octave: first.keypoints[i].octave,
+                max_octave: first.keypoints[i].octave,
+                descriptor: first.descriptors[i],
             };
+            (i as u32, query)
+        });
+        let found = search(frame, asked, &vec![true; frame.len()], |_, find| {
+            let clear = |second: Candidate| (find.best.distance as f32) < MAX_RATIO * second.distance as f32;
             find.best.distance <= MAX_DISTANCE && find.second.is_none_or(clear)
         });
-        let turns: Vec<f32> = pairs
-            .iter()
-            .map(|&(feature, query)| {
-                self.first.keypoints[asked[query]].angle_deg - frame.keypoints[feature as usize].angle_deg
-            })
-            .collect();
-        let kept = pairs.iter().zip(consistent_rotations(&turns)).filter(|(_, kept)| *kept);
-        let matches: Vec<(u32, u32)> =
-            kept.map(|(&(feature, query), _)| (asked[query] as u32, feature)).collect();
-        for &(first, second) in &matches {
+        let kept = consistent_in_rotation(frame, found, |&i| first.keypoints[i as usize].angle_deg);
+        for &(second, first) in &kept {
             self.last_seen[first as usize] = frame.pixel(second as usize);
         }
-        matches
+        kept.into_iter().map(|(second, first)| (first, second)).collect()
     }
 
     fn reconstruct(
@@ -192,7 +178,7 @@ impl Initialiser {
             options: TwoViewOptions::default(),
         };
         let views = TwoViewMatches { first: &pixels_first, second: &pixels_second, weights: Some(&weights) };
-        let seed = mix_seed(params.seed, u64::from(second.index), SEED_PURPOSE);
+        let seed = SeedPurpose::InitialPair.seed(params.seed, second.index, 0);
         let found = reconstruction.reconstruct(&views, seed).map_err(NoPair::TwoView)?;
         let with_point: Vec<(u32, u32, Vec3)> = matches
             .iter()
@@ -215,35 +201,25 @@ fn adjust_pair(
     points: &[(u32, u32, Vec3)],
     params: &Params,
 ) -> (SE3, Vec<(u32, u32, Vec3)>) {
-    let mut observations = Vec::with_capacity(2 * points.len());
-    for (point, &(i, j, _)) in (0..).zip(points) {
-        for (camera, feature) in [(0, i as usize), (1, j as usize)] {
-            let frame = frames[camera];
-            observations.push(BundleObservation {
-                camera: camera as u32,
-                point,
-                pixel: frame.pixel(feature),
-                right_u: f64::NAN,
-                inv_sigma_sq: information(frame, feature, params.noise()),
-            });
-        }
-    }
+    let noise = params.noise();
+    let observations = (0..).zip(points).flat_map(|(point, &(i, j, _))| {
+        [(0, i), (1, j)]
+            .map(|(camera, feature)| observation(frames[camera as usize], feature, camera, point, noise))
+    });
     let problem = BundleProblem {
         rig: frames[0].rig.stereo,
         cameras: vec![SE3::identity(), second_from_first],
         fixed: vec![true, false],
         points: points.iter().map(|p| p.2).collect(),
-        observations,
+        observations: observations.collect(),
     };
     let options = BundleOptions { max_iterations: ITERATIONS, robust: true, ..Default::default() };
     let solution = refine_bundle(&problem, &options);
-    let fits = |&(i, j, point): &(u32, u32, Vec3)| {
-        [i, j].iter().zip(&frames).zip(&solution.cameras).all(|((&feature, frame), camera)| {
-            agrees(frame, feature as usize, &(*camera * point), params.feature_sigma_px)
-        })
-    };
     let moved = points.iter().zip(&solution.points).map(|(&(i, j, _), &position)| (i, j, position));
-    (solution.cameras[1].normalized(), moved.filter(fits).collect())
+    // The observations come in pairs, as the points do.
+    let fitting =
+        moved.zip(solution.inliers.chunks(2)).filter(|(_, agree)| agree.iter().all(|&agrees| agrees));
+    (solution.cameras[1].normalized(), fitting.map(|(point, _)| point).collect())
 }
 
 /// The pair in the world, lengths in units of the points' median depth.
