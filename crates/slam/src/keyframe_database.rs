@@ -104,3 +104,7 @@ impl KeyframeDatabase {
         Arc::make_mut(&mut self.direct[id / CHUNK])[id % CHUNK] = direct;
     }
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/keyframe_database.rs"]
+mod tests;

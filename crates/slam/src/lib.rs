@@ -5,6 +5,11 @@
 //! knows a clock, a thread or a file: schedules live in the crate `runtime`.
 //! Start reading at [`Tracker::track`], [`Mapper::refine`] and [`LoopCloser::detect`].
 
+// A small world that the tests of all steps share.
+#[cfg(test)]
+#[path = "../tests/common/scene.rs"]
+mod scene;
+
 mod assign;
 mod calibrate;
 mod keyframe_database;

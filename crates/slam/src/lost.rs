@@ -92,3 +92,7 @@ impl fmt::Display for NotReady {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/lost.rs"]
+mod tests;

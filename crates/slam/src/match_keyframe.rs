@@ -47,3 +47,7 @@ pub(crate) fn with_point(keyframe: &Keyframe) -> Vec<bool> {
 fn side<'a>(frame: &'a Frame, direct: &'a DirectIndex, eligible: Option<&'a [bool]>) -> MatchSide<'a> {
     MatchSide { descriptors: &frame.descriptors, direct, keypoints: Some(&frame.keypoints), eligible }
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/match_keyframe.rs"]
+mod tests;

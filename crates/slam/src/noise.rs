@@ -41,3 +41,7 @@ pub(crate) fn agrees(frame: &Frame, i: usize, point_cam: &Vec3, sigma_px: f64) -
     };
     error_sq * information(frame, i, Noise { sigma_px, weighted: false }) <= limit
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/noise.rs"]
+mod tests;

@@ -82,3 +82,7 @@ pub(crate) fn pose_by_ransac(
     let options = RansacOptions { max_iterations: 300, confidence: 0.99, seed, ..RansacOptions::default() };
     ransac(&estimator, Some(&trust), &options).map(|found| found.model)
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/pose.rs"]
+mod tests;

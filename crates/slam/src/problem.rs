@@ -70,3 +70,7 @@ pub(crate) fn observation(
         inv_sigma_sq: information(frame, feature, noise),
     }
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/problem.rs"]
+mod tests;

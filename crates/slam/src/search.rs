@@ -116,3 +116,7 @@ pub(crate) fn points_around(map: &Map, keyframe: KeyframeId, n: usize) -> Vec<Po
     let Some(center) = map.keyframe(keyframe) else { return Vec::new() };
     points_of(map, std::iter::once(keyframe).chain(center.best_covisible(n).iter().map(|&(id, _)| id)))
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/search.rs"]
+mod tests;

@@ -21,3 +21,7 @@ impl SeedPurpose {
         mix_seed(seed, u64::from(of), self as u64 + (u64::from(with) << 8))
     }
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/seed.rs"]
+mod tests;

@@ -92,3 +92,7 @@ fn predict_octave(frame: &Frame, max_distance_m: f64, distance_m: f64) -> u8 {
     let octave = ((max_distance_m / distance_m).ln() / factor.ln()).ceil();
     octave.clamp(0.0, (levels - 1) as f64) as u8
 }
+
+#[cfg(test)]
+#[path = "../tests/steps/visibility.rs"]
+mod tests;

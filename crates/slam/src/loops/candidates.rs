@@ -92,3 +92,7 @@ pub(crate) fn strongest_groups(map: &Map, alike: &[Alike], min_score: f64) -> Ve
     let mut once = BTreeSet::new();
     groups.into_iter().filter(|g| g.0 > bar).map(|g| g.1).filter(|id| once.insert(*id)).collect()
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/candidates.rs"]
+mod tests;

@@ -44,3 +44,7 @@ impl Consistency {
         self.groups.clear();
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/consistency.rs"]
+mod tests;

@@ -175,3 +175,7 @@ fn solve_similar(
     let solution = refine_pose_graph(&problem, &PoseGraphOptions::default());
     graph.nodes.iter().zip(&solution.poses).map(|(&id, pose)| corrected(id, pose)).collect()
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/correct.rs"]
+mod tests;

@@ -82,3 +82,7 @@ fn candidate(a: usize, b: usize, b_from_a: SE3, unit: f64) -> CycleEdge {
         kind: CycleEdgeKind::Candidate,
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/cycle_test.rs"]
+mod tests;

@@ -70,3 +70,7 @@ impl EssentialGraph {
         path
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/essential_graph.rs"]
+mod tests;

@@ -47,3 +47,7 @@ fn solve(map: &Map, params: &Params) -> Option<GlobalSolution> {
         cost: [solution.report.initial_cost, solution.report.final_cost],
     })
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/global.rs"]
+mod tests;

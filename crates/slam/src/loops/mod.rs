@@ -119,3 +119,7 @@ impl LoopCloser {
         staged(probe, Stage::PoseGraph, || correct::correct(keyframe, &verified, &world.map, &self.params))
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/detect.rs"]
+mod tests;

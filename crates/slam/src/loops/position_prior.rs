@@ -68,3 +68,7 @@ pub(super) fn submap_members(map: &Map, keyframe: KeyframeId) -> Vec<KeyframeId>
     members.sort_unstable();
     members
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/position_prior.rs"]
+mod tests;

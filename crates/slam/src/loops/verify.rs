@@ -198,3 +198,7 @@ fn scale_between(verified: &Verified, here: &Keyframe, map: &Map) -> f64 {
     ratios.sort_by(f64::total_cmp);
     ratios.get(ratios.len() / 2).copied().unwrap_or(verified.scale)
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/verify.rs"]
+mod tests;

@@ -24,3 +24,7 @@ impl Mapper {
         Ok(LoopReport { fused })
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/close_loop.rs"]
+mod tests;

@@ -55,3 +55,7 @@ fn is_redundant(map: &Map, id: KeyframeId, params: &Params) -> bool {
     }
     n_points > 0 && n_redundant as f64 > ratio * n_points as f64
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/cull_keyframes.rs"]
+mod tests;

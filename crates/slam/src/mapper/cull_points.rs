@@ -37,3 +37,7 @@ impl Mapper {
         dropped
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/cull_points.rs"]
+mod tests;

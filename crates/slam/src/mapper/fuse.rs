@@ -87,3 +87,7 @@ fn find_duplicates(map: &Map, keyframe: &Keyframe, points: &[PointId]) -> Vec<(u
     let found = search(frame, asked, &vec![true; frame.len()], fits);
     found.into_iter().map(|(feature, point)| (feature, point.id)).collect()
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/fuse.rs"]
+mod tests;

@@ -98,3 +98,7 @@ fn depth_points(
     }
     points
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/insert.rs"]
+mod tests;

@@ -81,3 +81,7 @@ impl Mapper {
         Adjusted { keyframes: moved.len(), points: positions.len(), outliers }
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/local_bundle.rs"]
+mod tests;

@@ -91,3 +91,7 @@ fn median_depth(map: &Map, keyframe: KeyframeId) -> Option<f64> {
     depths.sort_by(f64::total_cmp);
     depths.get(depths.len() / 2).copied().filter(|&depth| depth > 0.0)
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/triangulate.rs"]
+mod tests;

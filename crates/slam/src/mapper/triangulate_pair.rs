@@ -93,3 +93,7 @@ fn scales_agree(a: &View<'_>, feature_a: usize, b: &View<'_>, feature_b: usize, 
     // A feature seen from nearer is larger there: distance_b / distance_a should equal scale_a / scale_b.
     by_distance * tolerance >= by_scale && by_distance <= by_scale * tolerance
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/triangulate_pair.rs"]
+mod tests;

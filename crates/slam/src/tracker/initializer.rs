@@ -241,3 +241,7 @@ fn in_unit(
         points: points.iter().map(|&(i, j, point)| (i, j, world_from_first * (point / unit))).collect(),
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/initializer.rs"]
+mod tests;

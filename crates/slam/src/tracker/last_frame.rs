@@ -57,3 +57,7 @@ impl LastFrame {
         self
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/last_frame.rs"]
+mod tests;

@@ -184,3 +184,7 @@ fn count(visible: &[PointId], matched: &[(u32, PointId)], inliers: &[(u32, Point
     }
     counts.into_iter().map(|(point, found)| PointCount { point, seen: 1, found }).collect()
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/local_map.rs"]
+mod tests;

@@ -31,24 +31,5 @@ impl MotionModel {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use geometry::{SO3, Vec3};
-
-    #[test]
-    fn twice_the_time_is_the_motion_twice() {
-        let step = SE3::new(SO3::exp(&Vec3::new(0.0, 0.1, 0.02)), Vec3::new(0.1, 0.0, -1.0));
-        let velocity = MotionModel::between(&SE3::identity(), &step, 0.1);
-        let error = (velocity.motion_over(0.2) * (step * step).inverse()).log().norm();
-        assert!(error < 1e-12, "{error}");
-        assert_eq!(velocity.motion_over(0.1), velocity.motion);
-    }
-
-    #[test]
-    fn senseless_times_repeat_the_motion() {
-        let step = SE3::new(SO3::identity(), Vec3::new(0.0, 0.0, -1.0));
-        for (seen, asked) in [(0.0, 0.1), (0.1, 0.0), (0.1, -3.0), (f64::NAN, 1.0)] {
-            assert_eq!(MotionModel::between(&SE3::identity(), &step, seen).motion_over(asked), step);
-        }
-    }
-}
+#[path = "../../tests/steps/motion_model.rs"]
+mod tests;

@@ -175,3 +175,7 @@ fn search_last(
         last.frame.keypoints[sources[source].feature as usize].angle_deg
     })
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/predict.rs"]
+mod tests;

@@ -73,3 +73,7 @@ fn from_keyframe(
     }
     if pose.inliers.len() >= MIN_INLIERS { Ok(pose) } else { Err(few(pose.inliers.len())) }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/relocalize.rs"]
+mod tests;

@@ -58,3 +58,7 @@ fn candidates(map: &Map, reference: KeyframeId) -> Vec<KeyframeId> {
     }
     list
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/track_reference_keyframe.rs"]
+mod tests;
