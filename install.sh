@@ -77,11 +77,11 @@ if [ -n "$prefix" ]; then
   install -m 755 "$program" "$prefix/bin/dsslam"
   if [ -n "$rerun" ]; then install -m 755 "$viewer" "$prefix/bin/dsslam-rerun"; fi
   program=$prefix/bin/dsslam
-  "$program" --quiet man "$prefix/share/man/man1" >/dev/null
+  "$program" --quiet shell man "$prefix/share/man/man1" >/dev/null
   mkdir -p "$prefix/share/bash-completion/completions" "$prefix/share/zsh/site-functions" "$prefix/share/fish/vendor_completions.d"
-  "$program" completions bash > "$prefix/share/bash-completion/completions/dsslam"
-  "$program" completions zsh > "$prefix/share/zsh/site-functions/_dsslam"
-  "$program" completions fish > "$prefix/share/fish/vendor_completions.d/dsslam.fish"
+  "$program" shell completions bash > "$prefix/share/bash-completion/completions/dsslam"
+  "$program" shell completions zsh > "$prefix/share/zsh/site-functions/_dsslam"
+  "$program" shell completions fish > "$prefix/share/fish/vendor_completions.d/dsslam.fish"
 fi
 if [ -n "$video" ]; then
   echo "      dsslam-video"

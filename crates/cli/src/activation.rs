@@ -1,4 +1,4 @@
-//! `dsslam activation`: an image, its activation as a heat map, and the features that a selection keeps and drops.
+//! `dsslam inspect activation`: an image, its activation as a heat map, and the features that a selection keeps and drops.
 
 use std::fmt::Write as _;
 

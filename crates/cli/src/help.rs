@@ -78,13 +78,13 @@ Examples:
     )
 }
 
-/// Below `dsslam activation --help`.
+/// Below `dsslam inspect activation --help`.
 pub(crate) fn activation() -> String {
     with_codes(
         "\
 Examples:
-  dsslam activation image_0/000000.png -o heat.png
-  dsslam activation image.jpg -o heat.png --keep 1000 --set features.selection=semantic",
+  dsslam inspect activation image_0/000000.png -o heat.png
+  dsslam inspect activation image.jpg -o heat.png --keep 1000 --set features.selection=semantic",
     )
 }
 
@@ -123,14 +123,14 @@ Examples:
     )
 }
 
-/// Below `dsslam vocab --help`.
+/// Below `dsslam inspect vocab --help`.
 pub(crate) fn vocab() -> String {
     with_codes(
         "\
 Examples:
-  dsslam vocab info  # the vocabulary that is part of the program
-  dsslam vocab train images/ more/*.png -o my.dbow
-  dsslam vocab convert ORBvoc.txt orbvoc.dbow",
+  dsslam inspect vocab info  # the vocabulary that is part of the program
+  dsslam inspect vocab train images/ more/*.png -o my.dbow
+  dsslam inspect vocab convert ORBvoc.txt orbvoc.dbow",
     )
 }
 
@@ -148,33 +148,53 @@ Examples:
     )
 }
 
-/// Below `dsslam features --help`.
+/// Below `dsslam inspect --help`.
+pub(crate) fn inspect() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam inspect features kitti/sequences/06 -o features.png
+  dsslam help inspect match",
+    )
+}
+
+/// Below `dsslam shell --help`.
+pub(crate) fn shell() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam shell completions bash > dsslam.bash
+  dsslam shell man > dsslam.1",
+    )
+}
+
+/// Below `dsslam inspect features --help`.
 pub(crate) fn features() -> String {
     with_codes(
         "\
 Examples:
-  dsslam features kitti/sequences/06/image_0/000000.png -o features.png
-  dsslam features kitti/sequences/06 --frame 2 --set features.keep=500 -o features.png",
+  dsslam inspect features kitti/sequences/06/image_0/000000.png -o features.png
+  dsslam inspect features kitti/sequences/06 --frame 2 --set features.keep=500 -o features.png",
     )
 }
 
-/// Below `dsslam match --help`.
+/// Below `dsslam inspect match --help`.
 pub(crate) fn matching() -> String {
     with_codes(
         "\
 Examples:
-  dsslam match image_0/000000.png image_0/000002.png -o matches.png
-  dsslam match kitti/sequences/06 --frames 0 3 --guided -o matches.png",
+  dsslam inspect match image_0/000000.png image_0/000002.png -o matches.png
+  dsslam inspect match kitti/sequences/06 --frames 0 3 --guided -o matches.png",
     )
 }
 
-/// Below `dsslam stereo --help`.
+/// Below `dsslam inspect stereo --help`.
 pub(crate) fn stereo() -> String {
     with_codes(
         "\
 Examples:
-  dsslam stereo kitti/sequences/06 -o disparities.png
-  dsslam stereo kitti/sequences/06 --frame 2 --config configs/kitti.yaml -o disparities.png",
+  dsslam inspect stereo kitti/sequences/06 -o disparities.png
+  dsslam inspect stereo kitti/sequences/06 --frame 2 --config configs/kitti.yaml -o disparities.png",
     )
 }
 
@@ -188,24 +208,24 @@ Examples:
     )
 }
 
-/// Below `dsslam completions --help`.
+/// Below `dsslam shell completions --help`.
 pub(crate) fn completions() -> String {
     with_codes(
         "\
 Examples:
-  dsslam completions bash > dsslam.bash  # ~/.local/share/bash-completion/completions/dsslam
-  dsslam completions zsh > _dsslam       # a folder of $fpath
-  dsslam completions fish > dsslam.fish  # ~/.config/fish/completions",
+  dsslam shell completions bash > dsslam.bash  # ~/.local/share/bash-completion/completions/dsslam
+  dsslam shell completions zsh > _dsslam       # a folder of $fpath
+  dsslam shell completions fish > dsslam.fish  # ~/.config/fish/completions",
     )
 }
 
-/// Below `dsslam man --help`.
+/// Below `dsslam shell man --help`.
 pub(crate) fn man() -> String {
     with_codes(
         "\
 Examples:
-  dsslam man > dsslam.1
-  dsslam man share/man/man1",
+  dsslam shell man > dsslam.1
+  dsslam shell man share/man/man1",
     )
 }
 

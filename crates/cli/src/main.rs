@@ -34,12 +34,13 @@ mod vocab;
 use std::process::ExitCode;
 
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
 
-use args::{Cli, Command};
+use args::{Cli, Command, Inspect, ShellCommand};
 use exit::{Exit, Failure, OrExit};
 
 fn main() -> ExitCode {
-    let Cli { command, voice } = Cli::parse();
+    let Cli { command, voice } = Cli::try_parse().unwrap_or_else(|error| refused(&error));
     console::set_voice(voice);
     let exit = dispatch(command).unwrap_or_else(|failure| {
         console::note(console::error(failure.to_string()));
@@ -55,16 +56,31 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::Demo(args) => demo::run(&args),
         Command::Synth(args) => render::run(&args),
         Command::Eval(command) => command.run().or_input().map(|()| Exit::Done),
-        Command::Activation(args) => activation::run(&args),
         Command::Places(args) => place_recognition::run(&args),
         Command::Config(args) => config::run(&args.action),
-        Command::Vocab(args) => vocab::run(&args.action),
         Command::Export(args) => export::run(&args),
-        Command::Features(args) => args.run(),
-        Command::Match(args) => args.run(),
-        Command::Stereo(args) => args.run(),
+        Command::Inspect(args) => match args.what {
+            Inspect::Features(args) => args.run(),
+            Inspect::Match(args) => args.run(),
+            Inspect::Stereo(args) => args.run(),
+            Inspect::Activation(args) => activation::run(&args),
+            Inspect::Vocab(args) => vocab::run(&args.action),
+        },
         Command::Doctor(args) => doctor::run(&args),
-        Command::Completions(args) => shell::completions(&args),
-        Command::Man(args) => shell::man(&args),
+        Command::Shell(args) => match args.what {
+            ShellCommand::Completions(args) => shell::completions(&args),
+            ShellCommand::Man(args) => shell::man(&args),
+        },
     }
+}
+
+/// Ends the program with what is wrong with its arguments; of a command that has moved with its name now.
+fn refused(error: &clap::Error) -> ! {
+    if let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand)
+        && let Some(moved) = args::moved(name)
+    {
+        console::note(console::error(moved));
+        std::process::exit(i32::from(Exit::Input.code()));
+    }
+    error.exit()
 }

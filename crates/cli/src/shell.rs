@@ -1,4 +1,4 @@
-//! `dsslam completions` and `dsslam man`: what shells and `man` know of the program, made from its own command line.
+//! `dsslam shell completions` and `dsslam shell man`: what shells and `man` know of the program, made from its own command line.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::args::Cli;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 
-/// Arguments of `dsslam completions`.
+/// Arguments of `dsslam shell completions`.
 #[derive(Debug, Args)]
 pub(crate) struct CompletionsArgs {
     /// The shell.
@@ -19,7 +19,7 @@ pub(crate) struct CompletionsArgs {
     shell: Shell,
 }
 
-/// Arguments of `dsslam man`.
+/// Arguments of `dsslam shell man`.
 #[derive(Debug, Args)]
 pub(crate) struct ManArgs {
     /// Writes a page for the program and for each command into this folder; without it the program's page is printed.
@@ -123,7 +123,7 @@ mod tests {
         let mut pages = Vec::new();
         collect(&command, &mut pages);
         let names: Vec<String> = pages.iter().map(|command| page_name(command)).collect();
-        for name in ["dsslam", "dsslam-run", "dsslam-eval-traj", "dsslam-config-check", "dsslam-man"] {
+        for name in ["dsslam", "dsslam-run", "dsslam-eval-traj", "dsslam-config-check", "dsslam-shell-man"] {
             assert!(names.iter().any(|n| n == name), "{name}: {names:?}");
         }
         assert!(names.iter().all(|name| !name.contains("help")), "{names:?}");

@@ -1,4 +1,4 @@
-//! `dsslam vocab`: trains a vocabulary from images, describes one, converts between the two file formats.
+//! `dsslam inspect vocab`: trains a vocabulary from images, describes one, converts between the two file formats.
 
 use std::path::PathBuf;
 

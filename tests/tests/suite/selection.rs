@@ -1,5 +1,5 @@
 //! Features selected by the activation network, seen from the command line: the same bits by any schedule, the picture of
-//! `dsslam activation`, the curves of `dsslam places`, and what is said when something is missing.
+//! `dsslam inspect activation`, the curves of `dsslam places`, and what is said when something is missing.
 
 use std::fs;
 use std::path::Path;
@@ -83,7 +83,7 @@ fn the_picture_shows_image_map_and_features() {
     let folder = tempfile::tempdir().unwrap();
     let picture = folder.path().join("heat.png");
     let image = rendered().join("image_0/000003.png");
-    let args = ["activation", text(&image), "-o", text(&picture), "--keep", "300"];
+    let args = ["inspect", "activation", text(&image), "-o", text(&picture), "--keep", "300"];
     let Some(call) = with_network(&args) else { return };
     call.expect_success();
     assert!(call.stdout.contains("\nkept       300 features, mean activation 0."), "{call}");

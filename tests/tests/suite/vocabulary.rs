@@ -1,4 +1,4 @@
-//! `dsslam vocab`: trained on rendered images, described, converted there and back; faults are named.
+//! `dsslam inspect vocab`: trained on rendered images, described, converted there and back; faults are named.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::root;
 use crate::sequence::{Copy, rendered};
 
 fn train(images: &[&str], out: &Path, further: &[&str]) -> Call {
-    let mut args = vec!["vocab", "train", "-k", "6", "-l", "3", "--keep", "200", "-o", text(out)];
+    let mut args = vec!["inspect", "vocab", "train", "-k", "6", "-l", "3", "--keep", "200", "-o", text(out)];
     args.extend(further);
     args.extend(images);
     dsslam(&args)
@@ -20,7 +20,7 @@ fn sha256(path: &Path) -> String {
     Sha256::digest(fs::read(path).unwrap()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The row of `dsslam vocab info` that begins with this word.
+/// The row of `dsslam inspect vocab info` that begins with this word.
 #[track_caller]
 fn row<'a>(call: &'a Call, name: &str) -> &'a str {
     let row = call.stdout.lines().find_map(|line| line.strip_prefix(name));
@@ -35,7 +35,7 @@ fn a_vocabulary_is_trained_described_and_converted() {
     let (left, right) = (copy.file("image_0"), copy.file("image_1/000002.png"));
     let trained = train(&[&left, &right], &at("new/a.dbow"), &[]);
     trained.expect_success();
-    let info = dsslam(&["vocab", "info", text(&at("new/a.dbow"))]);
+    let info = dsslam(&["inspect", "vocab", "info", text(&at("new/a.dbow"))]);
     assert_eq!((info.code, &info.stdout), (0, &trained.stdout), "{info}");
     assert_eq!((row(&info, "branching"), row(&info, "levels")), ("6", "3"));
     let origin = row(&info, "trained on");
@@ -44,13 +44,13 @@ fn a_vocabulary_is_trained_described_and_converted() {
 
     // Text forgets the origin, so two ways that both went through it are compared.
     for (from, to) in [("new/a.dbow", "b.txt"), ("b.txt", "c.dbow"), ("c.dbow", "d.TXT")] {
-        let call = dsslam(&["vocab", "convert", text(&at(from)), text(&at(to))]);
+        let call = dsslam(&["inspect", "vocab", "convert", text(&at(from)), text(&at(to))]);
         call.expect_success();
         assert_eq!(row(&call, "words"), row(&info, "words"));
     }
     assert_eq!(fs::read(at("b.txt")).unwrap(), fs::read(at("d.TXT")).unwrap());
-    assert_eq!(row(&dsslam(&["vocab", "info", text(&at("b.txt"))]), "format"), "ORB-SLAM2 text");
-    assert_eq!(row(&dsslam(&["vocab", "info", text(&at("c.dbow"))]), "trained on"), "unknown");
+    assert_eq!(row(&dsslam(&["inspect", "vocab", "info", text(&at("b.txt"))]), "format"), "ORB-SLAM2 text");
+    assert_eq!(row(&dsslam(&["inspect", "vocab", "info", text(&at("c.dbow"))]), "trained on"), "unknown");
 }
 
 #[test]
@@ -60,7 +60,8 @@ fn equal_input_gives_equal_bytes_for_any_number_of_threads() {
     let images = copy.file("image_0");
     let bytes = |threads: &str, seed: &str| {
         let out = folder.path().join(format!("{threads}-{seed}.dbow"));
-        let args = ["vocab", "train", &images, "-k", "5", "-l", "2", "--seed", seed, "-o", text(&out)];
+        let args =
+            ["inspect", "vocab", "train", &images, "-k", "5", "-l", "2", "--seed", seed, "-o", text(&out)];
         ended(command(&args).env("RAYON_NUM_THREADS", threads).output().unwrap()).expect_success();
         fs::read(out).unwrap()
     };
@@ -70,7 +71,7 @@ fn equal_input_gives_equal_bytes_for_any_number_of_threads() {
 
 #[test]
 fn the_vocabulary_of_the_program_is_the_one_in_the_repository() {
-    let info = dsslam(&["vocab", "info"]);
+    let info = dsslam(&["inspect", "vocab", "info"]);
     info.expect_success();
     let sha256 = sha256(&root().join("vocab/orb.dbow"));
     assert!(row(&info, "SHA-256").starts_with(&sha256), "{info}");
@@ -105,7 +106,8 @@ fn options_out_of_range_are_refused() {
         (["-l", "17"], "17 is not in 1..=16"),
         (["--keep", "10"], "10 is not in 50..=100000"),
     ] {
-        let args = ["vocab", "train", text(&image), "-o", "/tmp/never.dbow", further[0], further[1]];
+        let args =
+            ["inspect", "vocab", "train", text(&image), "-o", "/tmp/never.dbow", further[0], further[1]];
         let call = dsslam(&args);
         assert!(call.code == 2 && call.stderr.contains(part), "no {part} in {call}");
     }
@@ -116,7 +118,7 @@ fn a_file_that_is_no_vocabulary_and_one_that_cannot_be_written_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("v.dbow");
     let file = text(&path);
-    let info = || dsslam(&["vocab", "info", file]);
+    let info = || dsslam(&["inspect", "vocab", "info", file]);
     info().expect(2, &format!("error: {file}: cannot be read: No such file or directory (os error 2)"));
     let expected = "expected a DSSLAM vocabulary or ORB-SLAM2's text format";
     fs::write(&path, "%YAML").unwrap();
@@ -125,6 +127,6 @@ fn a_file_that_is_no_vocabulary_and_one_that_cannot_be_written_are_named() {
     let bytes = fs::read(&built_in).unwrap();
     fs::write(&path, &bytes[..1000]).unwrap();
     info().expect(2, &format!("error: {file}: truncated: found 1000 bytes, expected {}", bytes.len()));
-    let call = dsslam(&["vocab", "convert", text(&built_in), "/proc/none/v.txt"]);
+    let call = dsslam(&["inspect", "vocab", "convert", text(&built_in), "/proc/none/v.txt"]);
     call.expect(3, "error: /proc/none/v.txt: cannot be written: No such file or directory (os error 2)");
 }

@@ -1,5 +1,6 @@
 //! The command line: parsed without side effects, resolved by the commands.
 
+mod inspect;
 mod network;
 mod places;
 mod render;
@@ -15,9 +16,8 @@ use crate::console::Voice;
 use crate::doctor::DoctorArgs;
 use crate::export::ExportArgs;
 use crate::help;
-use crate::shell::{CompletionsArgs, ManArgs};
-use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
 
+pub(crate) use inspect::{Inspect, InspectArgs, ShellArgs, ShellCommand, moved};
 pub(crate) use network::{ActivationArgs, NetworkArgs};
 pub(crate) use places::{PlaceSelection, PlacesArgs};
 pub(crate) use render::{DemoArgs, LayoutArg, SynthArgs, WorldArgs};
@@ -28,7 +28,7 @@ pub(crate) use vocab::{VocabAction, VocabArgs, VocabTrainArgs};
 
 /// Visual SLAM: images in, trajectory and map out.
 ///
-/// Estimates the path of a camera (stereo, RGB-D) and a map of what it saw.
+/// Estimates the path of a camera (stereo, RGB-D or a single one) and a map of what it saw.
 #[derive(Debug, Parser)]
 #[command(name = "dsslam", version, arg_required_else_help = true, after_help = help::top(), max_term_width = 110)]
 pub(crate) struct Cli {
@@ -58,39 +58,24 @@ pub(crate) enum Command {
     /// Evaluates trajectories against ground truth, as tables and plots.
     #[command(after_help = help::eval())]
     Eval(eval::command::EvalCommand),
-    /// Draws what the network thinks of an image: activation as a heat map, features kept and dropped.
-    #[command(after_help = help::activation())]
-    Activation(ActivationArgs),
     /// Recognises places in a sequence with three selections of features: precision-recall curves and their areas.
     #[command(after_help = help::places())]
     Places(PlacesArgs),
     /// Prints the default configuration, or checks and explains one.
     #[command(after_help = help::config())]
     Config(ConfigArgs),
-    /// Trains a vocabulary of place recognition, describes one, converts between file formats.
-    #[command(after_help = help::vocab())]
-    Vocab(VocabArgs),
     /// Writes a map for other programs: points, models for COLMAP and nerfstudio, trajectories of the keyframes.
     #[command(after_help = help::export())]
     Export(ExportArgs),
-    /// Draws the key-points of an image.
-    #[command(after_help = help::features())]
-    Features(FeaturesArgs),
-    /// Draws the matches of two images, sorted by whether one motion explains them.
-    #[command(after_help = help::matching())]
-    Match(MatchArgs),
-    /// Draws the disparities of a stereo frame.
-    #[command(after_help = help::stereo())]
-    Stereo(StereoArgs),
+    /// Looks at single stages: features, matches, disparities, activation; trains and converts vocabularies.
+    #[command(after_help = help::inspect())]
+    Inspect(InspectArgs),
     /// Says what is on this machine, what is missing, and how to get it.
     #[command(after_help = help::doctor())]
     Doctor(DoctorArgs),
-    /// Prints the completions of a shell.
-    #[command(after_help = help::completions())]
-    Completions(CompletionsArgs),
-    /// Prints the manual page, or writes those of all commands into a folder.
-    #[command(after_help = help::man())]
-    Man(ManArgs),
+    /// Prints completions and manual pages.
+    #[command(after_help = help::shell())]
+    Shell(ShellArgs),
 }
 
 /// Arguments of `dsslam config`.

@@ -28,7 +28,7 @@ impl NetworkArgs {
     }
 }
 
-/// Arguments of `dsslam activation`.
+/// Arguments of `dsslam inspect activation`.
 #[derive(Debug, Args)]
 pub(crate) struct ActivationArgs {
     /// The image, PNG or JPEG.

@@ -1,10 +1,10 @@
-//! Command line of `dsslam vocab`.
+//! Command line of `dsslam inspect vocab`.
 
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-/// Arguments of `dsslam vocab`.
+/// Arguments of `dsslam inspect vocab`.
 #[derive(Debug, Args)]
 pub(crate) struct VocabArgs {
     /// What to do with a vocabulary.
@@ -12,7 +12,7 @@ pub(crate) struct VocabArgs {
     pub(crate) action: VocabAction,
 }
 
-/// What `dsslam vocab` can do.
+/// What `dsslam inspect vocab` can do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum VocabAction {
     /// Trains a vocabulary on images; equal images, options and seed give equal bytes.
@@ -31,7 +31,7 @@ pub(crate) enum VocabAction {
     },
 }
 
-/// Arguments of `dsslam vocab train`.
+/// Arguments of `dsslam inspect vocab train`.
 #[derive(Debug, Args)]
 pub(crate) struct VocabTrainArgs {
     /// Images, or folders that stand for the .png, .jpg and .jpeg files in them and in their folders, sorted by name.

@@ -1,4 +1,4 @@
-//! `dsslam features`: the key-points of an image, and of a selection by activation also those that it drops.
+//! `dsslam inspect features`: the key-points of an image, and of a selection by activation also those that it drops.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ const RING_PX: f64 = 4.0;
 const KEPT: Color = [0, 225, 150];
 const DROPPED: Color = [255, 95, 30];
 
-/// Arguments of `dsslam features`.
+/// Arguments of `dsslam inspect features`.
 #[derive(Debug, Args)]
 pub(crate) struct FeaturesArgs {
     /// An image, or the folder of a sequence.

@@ -1,4 +1,4 @@
-//! `dsslam match`: the matches of two images and which of them one motion explains.
+//! `dsslam inspect match`: the matches of two images and which of them one motion explains.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use super::{row, save};
 use crate::args::SettingsArgs;
 use crate::exit::{Exit, Failure, OrExit};
 
-/// Arguments of `dsslam match`.
+/// Arguments of `dsslam inspect match`.
 #[derive(Debug, Args)]
 pub(crate) struct MatchArgs {
     /// An image, or with --frames the folder of a sequence.

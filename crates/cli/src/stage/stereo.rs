@@ -1,4 +1,4 @@
-//! `dsslam stereo`: the disparities of a stereo frame.
+//! `dsslam inspect stereo`: the disparities of a stereo frame.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use super::{row, save, zoom_for};
 use crate::args::{NetworkArgs, SettingsArgs};
 use crate::exit::{Exit, Failure, OrExit};
 
-/// Arguments of `dsslam stereo`.
+/// Arguments of `dsslam inspect stereo`.
 #[derive(Debug, Args)]
 pub(crate) struct StereoArgs {
     /// Folder of a stereo sequence.

@@ -96,7 +96,10 @@ fn long_examples_are_cut_short() {
     for (example, expected) in [
         ("dsslam demo", "dsslam demo --frames 3"),
         ("dsslam demo --frames 60 --out /tmp/demo", "dsslam demo --frames 3 --out /box/demo"),
-        ("dsslam match kitti --frames 0 3 -o m.png", "dsslam match kitti --frames 0 3 -o m.png"),
+        (
+            "dsslam inspect match kitti --frames 0 3 -o m.png",
+            "dsslam inspect match kitti --frames 0 3 -o m.png",
+        ),
         ("dsslam run /tmp/town", "dsslam run /box/town"),
         ("dsslam view # the newest", "dsslam view --save view.rrd # the newest"),
         ("dsslam run kitti --rerun", "dsslam run kitti --rerun-save run.rrd"),

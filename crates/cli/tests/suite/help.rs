@@ -5,6 +5,9 @@ use std::process::Command;
 
 use super::support::{all_commands, dsslam, help};
 
+/// Commands that `dsslam --help` may list; `places` is on its way into `eval`.
+const MOST_COMMANDS: usize = 11;
+
 #[test]
 fn every_command_tells_its_exit_codes() {
     for command in all_commands().iter().filter(|command| command.len() <= 1) {
@@ -46,6 +49,26 @@ fn no_arguments_and_unknown_commands_end_with_code_2() {
     assert_eq!(dsslam(&[]).0, Some(2));
     let (code, text) = dsslam(&["rum"]);
     assert!(code == Some(2) && text.contains("'run'"), "{text}");
+}
+
+#[test]
+fn there_are_few_commands_and_the_old_names_say_where_they_went() {
+    let top: Vec<_> = all_commands().iter().filter(|command| command.len() == 1).collect();
+    assert!(top.len() <= MOST_COMMANDS, "{top:?}");
+    for (old, new) in [
+        ("features", "inspect features"),
+        ("match", "inspect match"),
+        ("stereo", "inspect stereo"),
+        ("activation", "inspect activation"),
+        ("vocab", "inspect vocab"),
+        ("completions", "shell completions"),
+        ("man", "shell man"),
+    ] {
+        let expected = format!("error: `dsslam {old}` is now `dsslam {new}`\n");
+        assert_eq!(dsslam(&[old, "--frames", "3"]), (Some(2), expected));
+        let path: Vec<String> = new.split(' ').map(str::to_owned).collect();
+        assert!(all_commands().contains(&path), "{new}");
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::support::{Call, all_commands, dsslam, ended};
 #[test]
 fn completions_know_every_command() {
     for shell in ["bash", "zsh", "fish"] {
-        let (code, text) = dsslam(&["completions", shell]);
+        let (code, text) = dsslam(&["shell", "completions", shell]);
         assert_eq!(code, Some(0));
         for command in all_commands().iter().filter(|command| command.len() == 1) {
             assert!(text.contains(&command[0]), "{shell}: {command:?}");
@@ -20,7 +20,7 @@ fn completions_know_every_command() {
 
 #[test]
 fn bash_accepts_its_completions() {
-    let (_, text) = dsslam(&["completions", "bash"]);
+    let (_, text) = dsslam(&["shell", "completions", "bash"]);
     let script = format!("{text}\ncomplete -p dsslam");
     let Ok(output) = Command::new("bash").args(["-c", &script]).output() else {
         println!("skipped: bash is not on this machine");
@@ -33,7 +33,7 @@ fn bash_accepts_its_completions() {
 #[test]
 fn every_command_has_a_manual_page_with_its_examples() {
     let folder = tempfile::tempdir().unwrap();
-    let (code, text) = dsslam(&["man", folder.path().to_str().unwrap()]);
+    let (code, text) = dsslam(&["shell", "man", folder.path().to_str().unwrap()]);
     assert_eq!(code, Some(0), "{text}");
     for command in all_commands() {
         let name = ["dsslam".to_owned()].iter().chain(command).cloned().collect::<Vec<_>>().join("-");
@@ -43,7 +43,7 @@ fn every_command_has_a_manual_page_with_its_examples() {
     let page = std::fs::read_to_string(folder.path().join("dsslam-run.1")).unwrap();
     assert!(page.contains(".SH \"EXAMPLES\"\n.nf\n\\&  dsslam run kitti/sequences/06"), "{page}");
     assert!(page.contains(".SH \"EXIT CODES\""), "{page}");
-    let (code, printed) = dsslam(&["man"]);
+    let (code, printed) = dsslam(&["shell", "man"]);
     assert_eq!(code, Some(0));
     assert_eq!(
         printed,

@@ -15,8 +15,17 @@ fn first_number(text: &str) -> usize {
 #[test]
 fn features_are_counted_and_drawn() {
     let dir = sandbox();
-    let args =
-        ["features", "kitti/sequences/06", "--frame", "1", "--set", "features.keep=300", "-o", "new/f.png"];
+    let args = [
+        "inspect",
+        "features",
+        "kitti/sequences/06",
+        "--frame",
+        "1",
+        "--set",
+        "features.keep=300",
+        "-o",
+        "new/f.png",
+    ];
     let Call { code, stdout, stderr } = dsslam_in(dir.path(), &args);
     assert_eq!(code, Some(0), "{stderr}");
     let n = first_number(value(&stdout, "features"));
@@ -30,7 +39,7 @@ fn features_are_counted_and_drawn() {
 #[test]
 fn features_kept_and_dropped_by_a_selection_are_counted_and_drawn() {
     let dir = sandbox();
-    let args = ["features", "kitti/sequences/06", "--set", "features.selection=activation"];
+    let args = ["inspect", "features", "kitti/sequences/06", "--set", "features.selection=activation"];
     let args = [&args[..], &["--set", "features.keep=300", "-o", "f.png"]].concat();
     let Call { code, stdout, stderr } = dsslam_in(dir.path(), &args);
     if code == Some(2) && stderr.contains("ONNX Runtime") {
@@ -55,7 +64,7 @@ fn features_kept_and_dropped_by_a_selection_are_counted_and_drawn() {
 #[test]
 fn most_matches_of_two_moments_are_explained_by_one_motion() {
     let dir = sandbox();
-    let args = ["match", "kitti/sequences/06", "--frames", "0", "2", "--guided", "-o", "m.png"];
+    let args = ["inspect", "match", "kitti/sequences/06", "--frames", "0", "2", "--guided", "-o", "m.png"];
     let Call { code, stdout, stderr } = dsslam_in(dir.path(), &args);
     assert_eq!(code, Some(0), "{stderr}");
     let [matches, inliers, outliers] =
@@ -64,7 +73,7 @@ fn most_matches_of_two_moments_are_explained_by_one_motion() {
     assert!(inliers > 100 && inliers > 2 * outliers, "{stdout}");
     // The same two images as files.
     let files = ["image_0/000000.png", "image_0/000002.png"];
-    let args = [&["match"][..], &files, &["-o", "files.png"]].concat();
+    let args = [&["inspect", "match"][..], &files, &["-o", "files.png"]].concat();
     let Call { stdout: of_files, .. } = dsslam_in(dir.path(), &args);
     assert_eq!(value(&of_files, "inliers"), value(&stdout, "inliers"));
 }
@@ -73,7 +82,7 @@ fn most_matches_of_two_moments_are_explained_by_one_motion() {
 fn a_stage_reduces_images_as_a_run_does() {
     let dir = sandbox();
     for input in ["kitti/sequences/06", "image_0/000000.png"] {
-        let args = ["features", input, "--set", "input.scale=0.5", "-o", "half.png"];
+        let args = ["inspect", "features", input, "--set", "input.scale=0.5", "-o", "half.png"];
         let Call { code, stdout, stderr } = dsslam_in(dir.path(), &args);
         assert_eq!(code, Some(0), "{stderr}");
         assert!(value(&stdout, "image").ends_with("(621x188)"), "{stdout}");
@@ -84,7 +93,7 @@ fn a_stage_reduces_images_as_a_run_does() {
 fn disparities_are_counted_and_drawn() {
     let dir = sandbox();
     let Call { code, stdout, stderr } =
-        dsslam_in(dir.path(), &["stereo", "kitti/sequences/06", "-o", "s.png"]);
+        dsslam_in(dir.path(), &["inspect", "stereo", "kitti/sequences/06", "-o", "s.png"]);
     assert_eq!(code, Some(0), "{stderr}");
     let [features, disparities] = ["features", "disparities"].map(|name| first_number(value(&stdout, name)));
     assert!(disparities > features / 3 && disparities <= features, "{stdout}");
@@ -102,32 +111,32 @@ fn what_cannot_be_looked_at_is_named() {
     };
     for (args, expected) in [
         (
-            &["stereo", "morning", "--frame", "99"][..],
+            &["inspect", "stereo", "morning", "--frame", "99"][..],
             "error: morning: found no frame 99, it has frames 0 to 4",
         ),
         (
-            &["features", "image_0/000000.png", "--frame", "1"],
+            &["inspect", "features", "image_0/000000.png", "--frame", "1"],
             "error: image_0/000000.png: found an image, and --frame 1 needs a sequence",
         ),
         (
-            &["match", "image_0/000000.png", "--frames", "0", "1"],
+            &["inspect", "match", "image_0/000000.png", "--frames", "0", "1"],
             "error: image_0/000000.png: found an image, and --frames needs a sequence",
         ),
         (
-            &["features", "image_0/000000.png", "--set", "input.mask=none.png"],
+            &["inspect", "features", "image_0/000000.png", "--set", "input.mask=none.png"],
             "error: input.mask (--set input.mask=none.png): none.png: no such image",
         ),
         (
-            &["stereo", "morning", "--set", "input.mask=none.png"],
+            &["inspect", "stereo", "morning", "--set", "input.mask=none.png"],
             "error: input.mask (--set input.mask=none.png): none.png: no such image",
         ),
         (
-            &["match", "morning", "image_0/000000.png"],
+            &["inspect", "match", "morning", "image_0/000000.png"],
             "error: morning: found a folder, expected an image (or --frames I J with a sequence)",
         ),
     ] {
         assert_eq!(refusal(args), expected);
     }
-    let args = ["features", "image_0/000000.png", "-o", "image_0/000000.png/x.png"];
+    let args = ["inspect", "features", "image_0/000000.png", "-o", "image_0/000000.png/x.png"];
     assert_eq!(dsslam_in(dir.path(), &args).code, Some(3));
 }

@@ -119,7 +119,7 @@ fn prepare(dir: &Path) {
     symlink(sequence.join("image_0"), dir.join("more")).unwrap();
     symlink(sequence.join("image_0"), dir.join("image_0")).unwrap();
     symlink(sequence.join("image_0/000000.png"), dir.join("image.jpg")).unwrap();
-    call(dir, &["vocab", "train", "images/left", "-k", "3", "-l", "2", "-o", "ORBvoc.txt"]);
+    call(dir, &["inspect", "vocab", "train", "images/left", "-k", "3", "-l", "2", "-o", "ORBvoc.txt"]);
     call(dir, &["run", "kitti/sequences/06", "--out", "finished", "--save-map", "street.dsmap"]);
     symlink(dir.join("street.dsmap"), dir.join("campus.dsmap")).unwrap();
     fs::create_dir(dir.join("kitti/poses")).unwrap();

@@ -1,0 +1,73 @@
+//! Command line of the groups of commands: `dsslam inspect` and `dsslam shell`; and where commands have moved.
+
+use clap::{Args, Subcommand};
+
+use super::{ActivationArgs, VocabArgs};
+use crate::help;
+use crate::shell::{CompletionsArgs, ManArgs};
+use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
+
+/// Arguments of `dsslam inspect`.
+#[derive(Debug, Args)]
+pub(crate) struct InspectArgs {
+    /// What to look at.
+    #[command(subcommand)]
+    pub(crate) what: Inspect,
+}
+
+/// What `dsslam inspect` can look at.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Inspect {
+    /// Draws the keypoints of an image.
+    #[command(after_help = help::features())]
+    Features(FeaturesArgs),
+    /// Draws the matches of two images, sorted by whether one motion explains them.
+    #[command(after_help = help::matching())]
+    Match(MatchArgs),
+    /// Draws the disparities of a stereo frame.
+    #[command(after_help = help::stereo())]
+    Stereo(StereoArgs),
+    /// Draws the activation of an image as a heat map, with the features that a selection keeps and drops.
+    #[command(after_help = help::activation())]
+    Activation(ActivationArgs),
+    /// Trains a vocabulary of place recognition, describes one, converts between file formats.
+    #[command(after_help = help::vocab())]
+    Vocab(VocabArgs),
+}
+
+/// Arguments of `dsslam shell`.
+#[derive(Debug, Args)]
+pub(crate) struct ShellArgs {
+    /// What to print.
+    #[command(subcommand)]
+    pub(crate) what: ShellCommand,
+}
+
+/// What `dsslam shell` prints.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ShellCommand {
+    /// Prints the completions of a shell.
+    #[command(after_help = help::completions())]
+    Completions(CompletionsArgs),
+    /// Prints the manual page, or writes those of all commands into a folder.
+    #[command(after_help = help::man())]
+    Man(ManArgs),
+}
+
+/// Commands of earlier versions, with their names now.
+const MOVED: &[(&str, &str)] = &[
+    ("features", "inspect features"),
+    ("match", "inspect match"),
+    ("stereo", "inspect stereo"),
+    ("activation", "inspect activation"),
+    ("vocab", "inspect vocab"),
+    ("places", "eval places"),
+    ("completions", "shell completions"),
+    ("man", "shell man"),
+];
+
+/// Where a command that is not known any more has gone.
+pub(crate) fn moved(name: &str) -> Option<String> {
+    let (old, new) = MOVED.iter().find(|(old, _)| *old == name)?;
+    Some(format!("`dsslam {old}` is now `dsslam {new}`"))
+}
