@@ -1,7 +1,7 @@
 //! What a person sees while a run goes on: a bar on a terminal, changes of state everywhere.
 
 use indicatif::ProgressBar;
-use runtime::{Event, FrameStatus, Observer};
+use runtime::{Event, FrameAnswer, FrameStatus, Observer};
 
 use crate::clock::StopWatch;
 use crate::console::{self, Level, Message};
@@ -49,7 +49,8 @@ impl Progress {
             FrameStatus::Dropped(reason) => {
                 self.n_dropped += 1;
                 if self.n_dropped <= NAMED_DROPS {
-                    self.tell(telling::frame_event(Level::Warning, "dropped", index, Some(reason)));
+                    let reason = reason.to_string();
+                    self.tell(telling::frame_event(Level::Warning, "dropped", index, Some(&reason)));
                 } else if self.n_dropped == NAMED_DROPS + 1 {
                     self.tell("further dropped frames are listed in summary.json".into());
                 }
@@ -77,7 +78,8 @@ impl Progress {
         self.state = state;
     }
 
-    fn show_rate(&self, status: &FrameStatus, keyframes: usize, points: usize) {
+    fn show_rate(&self, answer: &FrameAnswer) {
+        let FrameAnswer { status, keyframes, points, .. } = answer;
         let rate = self.n_frames as f64 / self.watch.seconds().max(1e-6);
         self.bar.set_message(format!(
             "{rate:.1} frames/s  {}  {keyframes} keyframes  {points} points",
@@ -93,15 +95,15 @@ impl Observer for Progress {
             Event::Started { frames } => {
                 // Of a video or a camera it is not known.
                 match *frames {
-                    usize::MAX => self.bar.unset_length(),
-                    frames => self.bar.set_length(frames as u64),
+                    None => self.bar.unset_length(),
+                    Some(frames) => self.bar.set_length(frames as u64),
                 }
                 self.watch = StopWatch::start();
             }
-            Event::Frame { index, status, keyframes, points, .. } => {
-                self.tell_changes(*index, status);
+            Event::Frame(answer) => {
+                self.tell_changes(answer.index, &answer.status);
                 self.n_frames += 1;
-                self.show_rate(status, *keyframes, *points);
+                self.show_rate(answer);
             }
             Event::Calibrating { done, frames } => {
                 self.bar.set_length(*frames as u64);

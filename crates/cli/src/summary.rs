@@ -225,12 +225,7 @@ fn as_object<S: Serializer>(stages: &[(&'static str, StageTimes)], to: S) -> Res
 /// The frames that have no pose of their own, in order, each with its reason.
 fn frames_without_pose(records: &[FrameRecord]) -> Vec<WithoutPose> {
     let without = |record: &FrameRecord| {
-        let reason = match &record.status {
-            FrameStatus::Tracked { .. } => return None,
-            FrameStatus::NotReady(reason) => reason.to_string(),
-            FrameStatus::Lost(reason) => reason.to_string(),
-            FrameStatus::Dropped(reason) => reason.clone(),
-        };
+        let reason = record.status.reason()?;
         let state = tables::state(&record.status);
         Some(WithoutPose { frame: record.index, state, reason })
     };
@@ -245,7 +240,8 @@ mod tests {
     #[test]
     fn frames_without_a_pose_are_named_with_their_reason() {
         let records = [record(3, Some(0.0)), record(4, None), record(5, Some(1.0))];
-        let expected = WithoutPose { frame: 4, state: "dropped", reason: "no image".to_owned() };
+        let expected =
+            WithoutPose { frame: 4, state: "dropped", reason: "there is no left image".to_owned() };
         assert_eq!(frames_without_pose(&records), [expected]);
     }
 }

@@ -7,12 +7,8 @@ use runtime::{FrameRecord, FrameStatus, LoopRecord, LoopResult, Timings};
 pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
     let mut text = String::from("frame,timestamp_s,state,submap,inliers,reason\n");
     for record in records {
-        let (inliers, reason) = match &record.status {
-            FrameStatus::Tracked { inliers } => (inliers.to_string(), String::new()),
-            FrameStatus::NotReady(reason) => (String::new(), reason.to_string()),
-            FrameStatus::Lost(reason) => (String::new(), reason.to_string()),
-            FrameStatus::Dropped(reason) => (String::new(), reason.clone()),
-        };
+        let inliers = record.status.inliers().map_or(String::new(), |inliers| inliers.to_string());
+        let reason = record.status.reason().unwrap_or_default();
         let submap = record.submap.map_or(String::new(), |root| root.to_string());
         text.push_str(&format!(
             "{},{},{},{submap},{inliers},{}\n",
@@ -99,13 +95,15 @@ pub(crate) mod tests {
     fn each_frame_says_its_sub_map_or_why_it_has_none() {
         let mut records = [record(3, Some(0.0)), record(4, None)];
         records[0].submap = Some(KeyframeId(7));
-        records[1].status = FrameStatus::Dropped("a.png: \"no\", thanks".to_owned());
+        records[1].status = FrameStatus::Dropped(
+            io::ImageError::Unreadable { path: "a.png".into(), reason: "\"no\", thanks".to_owned() }.into(),
+        );
         let root = KeyframeId(7).to_string();
         assert_eq!(
             frames_csv(&records),
             format!(
                 "frame,timestamp_s,state,submap,inliers,reason\n3,{},tracked,{root},100,\n\
-                 4,0.4,dropped,,,\"a.png: \"\"no\"\", thanks\"\n",
+                 4,0.4,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\"\n",
                 records[0].timestamp_s
             )
         );

@@ -1,6 +1,6 @@
 //! Events of a run in words, with their values for programs (`--log-format json`).
 
-use runtime::{Event, FrameStatus, LoopRecord, LoopResult};
+use runtime::{Event, FrameAnswer, FrameStatus, LoopRecord, LoopResult};
 use serde_json::Value;
 
 use crate::console::{Level, Message};
@@ -9,14 +9,17 @@ use crate::console::{Level, Message};
 pub(crate) fn message(event: &Event) -> Option<Message> {
     Some(match event {
         Event::Started { frames } => {
-            detail(format!("run of {frames} frames")).event("started").with("frames", *frames)
+            let length = frames.map_or("unknown length".to_owned(), |frames| format!("{frames} frames"));
+            detail(format!("run of {length}"))
+                .event("started")
+                .with("frames", frames.map_or(Value::Null, Value::from))
         }
-        Event::Frame { index, status, keyframes, points, track_ms, .. } => {
+        Event::Frame(FrameAnswer { index, status, keyframes, points, track_ms, .. }) => {
             Message::new(Level::Trace, format!("frame {index}: {} ({track_ms:.1} ms)", self::status(status)))
                 .event("frame")
                 .with("frame", *index)
                 .with("state", state(status))
-                .with("inliers", inliers(status))
+                .with("inliers", status.inliers().map_or(Value::Null, Value::from))
                 .with("keyframes", *keyframes)
                 .with("points", *points)
                 .with("track_ms", *track_ms)
@@ -156,12 +159,5 @@ fn state(status: &FrameStatus) -> &'static str {
         FrameStatus::Tracked { .. } => "tracked",
         FrameStatus::Lost(_) => "lost",
         FrameStatus::Dropped(_) => "dropped",
-    }
-}
-
-fn inliers(status: &FrameStatus) -> Value {
-    match status {
-        FrameStatus::Tracked { inliers } => (*inliers).into(),
-        _ => Value::Null,
     }
 }

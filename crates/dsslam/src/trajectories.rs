@@ -97,14 +97,14 @@ pub fn of_left_camera(body: &Trajectory, body_from_left: &SE3) -> Trajectory {
 mod tests {
     use super::*;
     use geometry::{SO3, Vec3};
-    use runtime::FrameStatus;
+    use runtime::{FrameStatus, Unusable};
 
     /// A frame at x = `x` metres, or a dropped one.
     fn record(index: u32, x: Option<f64>) -> FrameRecord {
         let world_from_cam = x.map(|x| SE3::new(SO3::identity(), Vec3::new(x, 0.0, 0.0)));
         let status = match x {
             Some(_) => FrameStatus::Tracked { inliers: 100 },
-            None => FrameStatus::Dropped("no image".to_owned()),
+            None => FrameStatus::Dropped(Unusable::Missing("left")),
         };
         FrameRecord { index, timestamp_s: f64::from(index) * 0.1, status, world_from_cam, submap: None }
     }

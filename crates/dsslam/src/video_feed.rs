@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use geometry::GrayImage;
-use io::{LoadedFrame, Packing};
-use runtime::{FrameFeed, FrameInfo, Preparation};
+use io::{ImageError, LoadedFrame, Packing};
+use runtime::{FrameFeed, FrameInfo, Preparation, Unusable};
 
 use crate::video::{Opened, Stream};
 
@@ -98,8 +98,8 @@ impl State {
 }
 
 impl FrameFeed for VideoFeed {
-    fn len(&self) -> usize {
-        self.max_frames.unwrap_or(usize::MAX)
+    fn size_hint(&self) -> Option<usize> {
+        self.max_frames
     }
 
     fn ends_before(&self, i: usize) -> bool {
@@ -120,13 +120,13 @@ impl FrameFeed for VideoFeed {
         }
     }
 
-    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+    fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {
         let held = self.at(i).held.take();
         let Some((_, image)) = held.filter(|(held, _)| *held == i) else {
-            return Err(format!("{}: has ended before frame {i}", self.path.display()));
+            let reason = format!("the video has ended before frame {i}");
+            return Err(ImageError::Unreadable { path: self.path.clone(), reason }.into());
         };
-        let frame =
-            LoadedFrame::unpacked(image, self.packing, &self.path).map_err(|error| error.to_string())?;
+        let frame = LoadedFrame::unpacked(image, self.packing, &self.path)?;
         self.preparation.apply(frame, &self.path)
     }
 }

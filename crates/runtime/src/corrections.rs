@@ -18,17 +18,20 @@ pub(crate) type LoopQuestion = (KeyframeId, Arc<World>);
 /// The answer.
 pub(crate) type LoopAnswer = (LoopOutcome, StageTimes);
 /// The service that finds loops.
-pub(crate) type LoopService<'a> = Service<'a, LoopQuestion, LoopAnswer>;
+pub(crate) type LoopService = Service<LoopQuestion, LoopAnswer>;
 
 /// The world right after a loop was closed.
 pub(crate) type GlobalQuestion = Arc<World>;
 /// The adjusted world; `None` when there was nothing to adjust.
 pub(crate) type GlobalAnswer = (Option<GlobalSolution>, StageTimes);
 /// The service that adjusts the whole map.
-pub(crate) type GlobalService<'a> = Service<'a, GlobalQuestion, GlobalAnswer>;
+pub(crate) type GlobalService = Service<GlobalQuestion, GlobalAnswer>;
 
 /// Answers questions about loops; they must come in the order of the keyframes.
-pub(crate) fn find_loops(setup: &Setup, mut faults: StageFaults) -> impl FnMut(LoopQuestion) -> LoopAnswer {
+pub(crate) fn find_loops(
+    setup: &Setup,
+    mut faults: StageFaults,
+) -> impl FnMut(LoopQuestion) -> LoopAnswer + use<> {
     let mut closer = LoopCloser::new(setup.slam.clone());
     move |(keyframe, world)| {
         faults.step();
@@ -39,7 +42,10 @@ pub(crate) fn find_loops(setup: &Setup, mut faults: StageFaults) -> impl FnMut(L
 }
 
 /// Answers with adjusted worlds.
-pub(crate) fn adjust(setup: &Setup, mut faults: StageFaults) -> impl FnMut(GlobalQuestion) -> GlobalAnswer {
+pub(crate) fn adjust(
+    setup: &Setup,
+    mut faults: StageFaults,
+) -> impl FnMut(GlobalQuestion) -> GlobalAnswer + use<> {
     let params = setup.slam.clone();
     move |world| {
         faults.step();

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use geometry::SE3;
 use map::KeyframeId;
 use slam::{KeyframeReason, MappingReport, OffsetEstimate, TrackStats, World};
 
@@ -9,13 +10,42 @@ use crate::details::FrameDetails;
 use crate::map_log::LoopRecord;
 use crate::record::FrameStatus;
 
+/// What tracking knows of a frame as soon as it is done with it. Later corrections of the map move its pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameAnswer {
+    /// Number of the frame in its sequence.
+    pub index: u32,
+    /// Time, seconds.
+    pub timestamp_s: f64,
+    /// What became of it.
+    pub status: FrameStatus,
+    /// Pose in the map that it saw, or that it starts; `None` for a frame without a pose of its own.
+    pub world_from_cam: Option<SE3>,
+    /// The sub-map of that pose, named by the root of its keyframes; `None` without a pose, and for the frame that starts it.
+    pub submap: Option<KeyframeId>,
+    /// Why mapping was asked to make it a keyframe, if it was.
+    pub keyframe: Option<KeyframeReason>,
+    /// Counts of tracking.
+    pub stats: TrackStats,
+    /// Features in the frame.
+    pub features: usize,
+    /// Features with a depth.
+    pub with_depth: usize,
+    /// Keyframes in the map that it saw.
+    pub keyframes: usize,
+    /// Points in that map.
+    pub points: usize,
+    /// Work from the decoded images to the pose, milliseconds.
+    pub track_ms: f64,
+}
+
 /// One thing that happened. Where stages run on threads, events of different stages come in any order.
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The run begins.
     Started {
-        /// Frames to come.
-        frames: usize,
+        /// Frames to come; `None` if that is not known.
+        frames: Option<usize>,
     },
     /// A frame of the calibration pass is done; `done` of `frames`.
     Calibrating {
@@ -29,27 +59,8 @@ pub enum Event {
         /// What it found; `None`: nothing clear, the calibration stays as it is.
         estimate: Option<OffsetEstimate>,
     },
-    /// A frame went through tracking.
-    Frame {
-        /// Number of the frame in its sequence.
-        index: u32,
-        /// Time, seconds.
-        timestamp_s: f64,
-        /// What became of it.
-        status: FrameStatus,
-        /// Counts of tracking.
-        stats: TrackStats,
-        /// Features in the frame, and of those with depth.
-        features: usize,
-        /// Features with a depth.
-        with_depth: usize,
-        /// Keyframes in the map that it saw.
-        keyframes: usize,
-        /// Points in that map.
-        points: usize,
-        /// Work from the decoded images to the pose, milliseconds.
-        track_ms: f64,
-    },
+    /// A frame went through tracking, or was dropped.
+    Frame(FrameAnswer),
     /// A lost camera, or one in a map from a file, found its place again.
     Relocalised {
         /// Number of the frame in its sequence.

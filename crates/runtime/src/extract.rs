@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use features::{Frame, FrameBuilder};
 use geometry::Sensor;
-use io::LoadedFrame;
+use io::{ImageSize, LoadedFrame};
 
 use crate::details::Seen;
 use crate::feed::FrameInfo;
 use crate::fetch::Fetched;
-use crate::job::Job;
-use crate::setup::Setup;
+use crate::job::Plan;
+use crate::record::Unusable;
 use crate::timings::Stopwatch;
 
 /// A frame on its way to tracking.
@@ -18,28 +18,32 @@ pub(crate) struct Extracted {
     /// Position in the feed.
     pub(crate) n: usize,
     pub(crate) info: FrameInfo,
-    pub(crate) frame: Result<Arc<Frame>, String>,
+    pub(crate) frame: Result<Arc<Frame>, Unusable>,
     /// What the features were found in, if an observer wants details.
     pub(crate) seen: Option<Seen>,
     pub(crate) watch: Stopwatch,
 }
 
 /// The stage that extracts features.
-pub(crate) struct ExtractStage<'a> {
-    setup: &'a Setup,
+pub(crate) struct ExtractStage {
+    sensor: Sensor,
+    /// Size of the camera's images.
+    size: ImageSize,
     /// Why there is no builder: the network cannot be opened.
-    builder: Result<FrameBuilder, String>,
+    builder: Result<FrameBuilder, Unusable>,
     /// Whether an observer wants details.
     details: bool,
 }
 
-impl<'a> ExtractStage<'a> {
-    pub(crate) fn new(job: &Job<'a>) -> Self {
-        let mut builder = job.setup.frame_builder(job.disparity_offset_px);
-        if let (true, Ok(builder)) = (job.details, &mut builder) {
+impl ExtractStage {
+    pub(crate) fn new(plan: &Plan) -> Self {
+        let mut builder = plan.setup.frame_builder(plan.disparity_offset_px).map_err(Unusable::Network);
+        if let (true, Ok(builder)) = (plan.details, &mut builder) {
             builder.keep_activation_maps();
         }
-        ExtractStage { setup: job.setup, builder, details: job.details }
+        let rig = &plan.setup.rig;
+        let size = ImageSize { width: rig.width, height: rig.height };
+        ExtractStage { sensor: plan.setup.sensor, size, builder, details: plan.details }
     }
 
     /// Makes a frame of images.
@@ -48,9 +52,10 @@ impl<'a> ExtractStage<'a> {
         let mut watch = Stopwatch::new(info.index);
         watch.add("decode", decode_ms);
         let mut seen = None;
-        let frame = images.and_then(|images| usable(images, self.setup)).and_then(|images| {
+        let frame = images.and_then(|images| self.usable(images)).and_then(|images| {
             let builder = self.builder.as_mut().map_err(|reason| reason.clone())?;
-            let frame = watch.time("extract", |_| build(builder, self.setup.sensor, info, &images))?;
+            let frame = watch.time("extract", |_| build(builder, self.sensor, info, &images));
+            let frame = frame.map_err(Unusable::Network)?;
             seen = self.details.then(|| Seen {
                 image: Arc::new(images.left),
                 activation: builder.take_activation_map().map(Arc::new),
@@ -59,33 +64,27 @@ impl<'a> ExtractStage<'a> {
         });
         Extracted { n, info, frame, seen, watch }
     }
-}
 
-/// Whether the images fit the camera and each other.
-fn usable(images: LoadedFrame, setup: &Setup) -> Result<LoadedFrame, String> {
-    let expected = (setup.rig.width, setup.rig.height);
-    let check = |name: &str, width: usize, height: usize| {
-        if (width, height) == expected {
-            return Ok(());
+    /// Whether the images are there and fit the camera.
+    fn usable(&self, images: LoadedFrame) -> Result<LoadedFrame, Unusable> {
+        let check = |image: &'static str, width: usize, height: usize| {
+            let (found, expected) = (ImageSize { width, height }, self.size);
+            if found == expected { Ok(()) } else { Err(Unusable::Size { image, found, expected }) }
+        };
+        check("left", images.left.width, images.left.height)?;
+        match self.sensor {
+            Sensor::Stereo => {
+                let right = images.right.as_ref().ok_or(Unusable::Missing("right"))?;
+                check("right", right.width, right.height)?;
+            }
+            Sensor::Rgbd => {
+                let depth = images.depth.as_ref().ok_or(Unusable::Missing("depth"))?;
+                check("depth", depth.width, depth.height)?;
+            }
+            Sensor::Mono => {}
         }
-        Err(format!(
-            "the {name} image is {width} x {height} pixels, expected {} x {}",
-            expected.0, expected.1
-        ))
-    };
-    check("left", images.left.width, images.left.height)?;
-    match setup.sensor {
-        Sensor::Stereo => {
-            let right = images.right.as_ref().ok_or("there is no right image")?;
-            check("right", right.width, right.height)?;
-        }
-        Sensor::Rgbd => {
-            let depth = images.depth.as_ref().ok_or("there is no depth image")?;
-            check("depth", depth.width, depth.height)?;
-        }
-        Sensor::Mono => {}
+        Ok(images)
     }
-    Ok(images)
 }
 
 fn build(

@@ -15,6 +15,13 @@ pub struct StageFailure {
     pub message: String,
 }
 
+impl StageFailure {
+    /// A stage that ended although it was needed.
+    pub(crate) fn gone(stage: &'static str) -> Self {
+        StageFailure { stage, message: "ended too early".into() }
+    }
+}
+
 /// Why a stage ends before its work is done.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Halt {

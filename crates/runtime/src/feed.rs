@@ -3,6 +3,7 @@
 use io::{FrameSource, LoadedFrame, Sequence, load_frame};
 
 use crate::prepare::Preparation;
+use crate::record::Unusable;
 
 /// What is known of a frame before it is loaded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,15 +16,16 @@ pub struct FrameInfo {
 
 /// A source of frames. Loading happens on a thread of its own, ahead of tracking.
 pub trait FrameFeed: Sync {
-    /// Number of frames; of a feed whose end is not known before it comes, at least as many.
-    fn len(&self) -> usize;
-    /// Whether there is no frame.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-    /// Whether there is no `i`-th frame, although [`FrameFeed::len`] allows for it. Asked, for one frame after another, before it is
-    /// loaded; waits until that is known.
+    /// Number of frames; `None` if that is not known before the last has come, or if they never end. A feed that may end earlier
+    /// than it says tells so by [`FrameFeed::ends_before`].
+    fn size_hint(&self) -> Option<usize>;
+    /// Whether there is no `i`-th frame, although [`FrameFeed::size_hint`] allows for it. Asked, for one frame after another, before
+    /// it is loaded; waits until that is known.
     fn ends_before(&self, _i: usize) -> bool {
+        false
+    }
+    /// Whether a frame that is there is due, whatever its timestamp says: the feed itself waits for each.
+    fn keeps_pace(&self) -> bool {
         false
     }
     /// What there is to tell after the run, such as why the feed ended.
@@ -36,7 +38,7 @@ pub trait FrameFeed: Sync {
     ///
     /// # Errors
     /// Why this frame has to be dropped; the run goes on.
-    fn load(&self, i: usize) -> Result<LoadedFrame, String>;
+    fn load(&self, i: usize) -> Result<LoadedFrame, Unusable>;
 }
 
 /// The first frames of a dataset, prepared for feature extraction.
@@ -60,8 +62,8 @@ impl SequenceFeed {
 }
 
 impl FrameFeed for SequenceFeed {
-    fn len(&self) -> usize {
-        self.frames.len()
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.frames.len())
     }
 
     fn info(&self, i: usize) -> FrameInfo {
@@ -69,9 +71,9 @@ impl FrameFeed for SequenceFeed {
         FrameInfo { index: frame.index, timestamp_s: frame.timestamp_s }
     }
 
-    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+    fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {
         let files = &self.frames[i];
-        let frame = load_frame(files).map_err(|error| error.to_string())?;
+        let frame = load_frame(files)?;
         self.preparation.apply(frame, &files.left)
     }
 }

@@ -5,6 +5,7 @@ use io::LoadedFrame;
 
 use crate::faults::StageFaults;
 use crate::feed::{FrameFeed, FrameInfo};
+use crate::record::Unusable;
 use crate::timings::{Pace, timed};
 
 /// Frames decoded ahead.
@@ -15,7 +16,7 @@ pub(crate) struct Fetched {
     /// Position in the feed.
     pub(crate) n: usize,
     pub(crate) info: FrameInfo,
-    pub(crate) images: Result<LoadedFrame, String>,
+    pub(crate) images: Result<LoadedFrame, Unusable>,
     pub(crate) decode_ms: f64,
 }
 
@@ -61,7 +62,8 @@ pub(crate) fn paced(
         if feed.ends_before(n) {
             return n;
         }
-        let seconds = feed.info(n).timestamp_s - feed.info(0).timestamp_s;
+        let since_first = |feed: &dyn FrameFeed| feed.info(n).timestamp_s - feed.info(0).timestamp_s;
+        let seconds = if feed.keeps_pace() { 0.0 } else { since_first(feed) };
         let fetched = fetch(feed, n);
         if !pace.wait(seconds, reader_is_there) {
             break;

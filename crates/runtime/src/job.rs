@@ -12,24 +12,29 @@ use crate::mapping::MapStage;
 use crate::service::Service;
 use crate::setup::Setup;
 
-/// What is to be run.
-pub(crate) struct Job<'a> {
-    pub(crate) feed: &'a dyn FrameFeed,
-    /// The first so many frames.
-    pub(crate) frames: usize,
-    pub(crate) setup: &'a Setup,
+/// What the stages of a run are made from.
+pub(crate) struct Plan {
+    pub(crate) setup: Setup,
     pub(crate) disparity_offset_px: f64,
     /// The world to begin with.
     pub(crate) world: World,
-    pub(crate) stop: &'a AtomicBool,
     /// Whether an observer wants details.
     pub(crate) details: bool,
 }
 
-impl<'a> Job<'a> {
-    /// Whether the run should end after this frame.
-    pub(crate) fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+/// What is to be run.
+pub(crate) struct Job<'a> {
+    pub(crate) feed: &'a dyn FrameFeed,
+    /// The first so many frames; `None`: until the feed ends.
+    pub(crate) frames: Option<usize>,
+    pub(crate) stop: &'a AtomicBool,
+    pub(crate) plan: Arc<Plan>,
+}
+
+impl Plan {
+    pub(crate) fn new(setup: Setup, disparity_offset_px: f64, details: bool) -> Self {
+        let world = setup.world();
+        Plan { setup, disparity_offset_px, world, details }
     }
 
     pub(crate) fn faults(&self, stage: &'static str) -> StageFaults {
@@ -47,12 +52,24 @@ impl<'a> Job<'a> {
     }
 
     /// The mapping stage with services that run in turn.
-    pub(crate) fn mapping_in_turn(&self) -> MapStage<'a> {
-        let loops: LoopService<'a> =
-            Service::InTurn("loop", Box::new(find_loops(self.setup, self.faults("loop"))));
-        let global: GlobalService<'a> =
-            Service::InTurn("global", Box::new(adjust(self.setup, self.faults("global"))));
+    pub(crate) fn mapping_in_turn(&self) -> MapStage {
+        let loops: LoopService =
+            Service::InTurn("loop", Box::new(find_loops(&self.setup, self.faults("loop"))));
+        let global: GlobalService =
+            Service::InTurn("global", Box::new(adjust(&self.setup, self.faults("global"))));
         let loops = Some(loops).filter(|_| self.wants_loops());
         MapStage::new(self, loops, global)
+    }
+}
+
+impl Job<'_> {
+    /// Whether the run should end after this frame.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Frames to come, as far as is known.
+    pub(crate) fn limit(&self) -> usize {
+        self.frames.unwrap_or(usize::MAX)
     }
 }

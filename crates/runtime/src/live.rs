@@ -12,7 +12,7 @@ use crate::mapping::{MapStage, Out};
 use crate::rule::Rule;
 use crate::track::Message;
 
-impl MapStage<'_> {
+impl MapStage {
     /// Works until tracking is gone, then brings in what is still to come.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use crate::mapping::{MapStage, Out};
 use crate::rule::{Moment, Rule};
 use crate::track::Message;
 
-impl MapStage<'_> {
+impl MapStage {
     /// Everything that a message from tracking asks for.
     ///
     /// # Errors

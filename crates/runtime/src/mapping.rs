@@ -12,7 +12,7 @@ use crate::corrections::{
 };
 use crate::events::Event;
 use crate::failure::Halt;
-use crate::job::Job;
+use crate::job::Plan;
 use crate::journal::Operation;
 use crate::map_log::{InsertedFrame, LoopRecord, LoopResult, MapLog};
 use crate::service::Answer;
@@ -21,11 +21,11 @@ use crate::track::Message;
 use crate::view::Published;
 
 /// The stage.
-pub(crate) struct MapStage<'a> {
+pub(crate) struct MapStage {
     pub(crate) mapper: Mapper,
     /// `None`: loops are not looked for.
-    loops: Option<LoopService<'a>>,
-    global: GlobalService<'a>,
+    loops: Option<LoopService>,
+    global: GlobalService,
     /// Loops that were asked for, in the order of their keyframes.
     pub(crate) coming_loops: VecDeque<ComingLoop>,
     pub(crate) coming_global: Option<ComingGlobal>,
@@ -66,18 +66,18 @@ pub(crate) struct Out<'o> {
     pub(crate) publish: &'o mut dyn FnMut(Published),
 }
 
-impl<'a> MapStage<'a> {
-    /// A stage that goes on with the world of the job.
-    pub(crate) fn new(job: &Job<'_>, loops: Option<LoopService<'a>>, global: GlobalService<'a>) -> Self {
+impl MapStage {
+    /// A stage that goes on with the world of the plan.
+    pub(crate) fn new(plan: &Plan, loops: Option<LoopService>, global: GlobalService) -> Self {
         MapStage {
-            mapper: Mapper::new(job.setup.slam.clone(), job.world.clone()),
+            mapper: Mapper::new(plan.setup.slam.clone(), plan.world.clone()),
             loops,
             global,
             coming_loops: VecDeque::new(),
             coming_global: None,
             requests: 0,
             refined: 0,
-            details: job.details,
+            details: plan.details,
         }
     }
 

@@ -4,10 +4,10 @@ use map::{KeyframeId, Map, RelativePose};
 use slam::World;
 
 use crate::failure::StageFailure;
+use crate::job::Plan;
 use crate::journal::Journal;
 use crate::map_log::MapLog;
 use crate::record::{FrameRecord, RunOutcome};
-use crate::setup::Setup;
 use crate::timings::Timings;
 use crate::track::{TrackLog, TrackedFrame};
 
@@ -24,7 +24,8 @@ pub(crate) struct Parts {
 
 impl Parts {
     /// Puts the results together.
-    pub(crate) fn outcome(self, setup: &Setup, disparity_offset_px: f64) -> RunOutcome {
+    pub(crate) fn outcome(self, plan: &Plan) -> RunOutcome {
+        let (setup, disparity_offset_px) = (&plan.setup, plan.disparity_offset_px);
         let Parts { tracking, mapping, world, frames, failure } = self;
         let map = world.map;
         let interrupted = tracking.frames.len() < frames || mapping.cut_short;

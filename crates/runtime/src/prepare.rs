@@ -4,8 +4,10 @@
 use std::path::Path;
 
 use features::{ExtractorConfig, FeatureMask, RemapTable, remap};
-use geometry::{DepthImage, GrayImage};
+use geometry::{DepthImage, GrayImage, Raster};
 use io::{ImageError, ImageSize, LoadedFrame, RectifiedView, Sequence, reduce_depth, reduce_gray};
+
+use crate::record::Unusable;
 
 /// What is done to the images of a sequence.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +47,7 @@ impl Preparation {
         let wanted = wanted.and_then(|mask| {
             let binary =
                 GrayImage::from_fn(mask.width, mask.height, |x, y| if mask.at(x, y) == 0 { 0 } else { 255 });
-            let prepared = self.prepared(&binary, 0).ok()?;
+            let prepared = self.prepared(binary, 0).ok()?;
             let clear = |x: usize, y: usize| if prepared.at(x, y) < 128 { 0 } else { 255 };
             Some(GrayImage::from_fn(prepared.width, prepared.height, clear))
         });
@@ -56,45 +58,45 @@ impl Preparation {
     ///
     /// # Errors
     /// Found and expected size of an image that does not have the size of its camera.
-    pub fn apply(&self, frame: LoadedFrame, name: &Path) -> Result<LoadedFrame, String> {
+    pub fn apply(&self, frame: LoadedFrame, name: &Path) -> Result<LoadedFrame, Unusable> {
         if let Some((expected, source)) = self.expected.as_ref().filter(|(size, _)| *size != frame.size()) {
             let (path, found) = (name.to_path_buf(), frame.size());
             let because = format!("resolution in {source}");
-            return Err(ImageError::WrongSize { path, found, expected: *expected, because }.to_string());
+            return Err(ImageError::WrongSize { path, found, expected: *expected, because }.into());
         }
-        if self.scale.is_none() && self.tables.is_empty() {
-            return Ok(frame);
-        }
-        let (left, right) = rayon::join(
-            || self.prepared(&frame.left, 0),
-            || frame.right.as_ref().map(|right| self.prepared(right, 1)).transpose(),
-        );
-        let depth = frame.depth.map(|depth| self.reduced_depth(depth));
-        Ok(LoadedFrame { left: left?, right: right?, depth })
+        let LoadedFrame { left, right, depth } = frame;
+        let (left, right) =
+            rayon::join(|| self.prepared(left, 0), || right.map(|right| self.prepared(right, 1)).transpose());
+        Ok(LoadedFrame { left: left?, right: right?, depth: depth.map(|depth| self.reduced_depth(depth)) })
     }
 
     /// The image of one camera, reduced and rectified.
-    fn prepared(&self, image: &GrayImage, camera: usize) -> Result<GrayImage, String> {
-        let reduced = self.scale.map(|scale| {
-            let size = ImageSize { width: image.width, height: image.height };
-            reduce_gray(image, size.scaled(scale))
-        });
-        let image = reduced.as_ref().unwrap_or(image);
+    fn prepared(&self, image: GrayImage, camera: usize) -> Result<GrayImage, Unusable> {
+        let image = match self.scale {
+            None => image,
+            Some(scale) => reduce_gray(&image, size_of(&image).scaled(scale)),
+        };
         if self.tables.is_empty() {
-            return Ok(image.clone());
+            return Ok(image);
         }
-        let missing = || format!("found no rectification of camera {camera}");
-        let table = self.tables.get(camera).ok_or_else(missing)?;
-        remap(image, table).ok_or_else(|| {
-            let (found, expected) = ((image.width, image.height), table.source_size());
-            format!("camera {camera}: found an image of {found:?} pixels, expected {expected:?}")
+        let name = if camera == 0 { "left" } else { "right" };
+        let table = self.tables.get(camera).ok_or(Unusable::Unrectified(name))?;
+        remap(&image, table).ok_or_else(|| {
+            let (width, height) = table.source_size();
+            Unusable::Size { image: name, found: size_of(&image), expected: ImageSize { width, height } }
         })
     }
 
     fn reduced_depth(&self, depth: DepthImage) -> DepthImage {
-        let size = ImageSize { width: depth.width, height: depth.height };
-        self.scale.map_or_else(|| depth.clone(), |scale| reduce_depth(&depth, size.scaled(scale)))
+        match self.scale {
+            None => depth,
+            Some(scale) => reduce_depth(&depth, size_of(&depth).scaled(scale)),
+        }
     }
+}
+
+fn size_of<T>(image: &Raster<T>) -> ImageSize {
+    ImageSize { width: image.width, height: image.height }
 }
 
 #[cfg(test)]
@@ -180,7 +182,7 @@ mod tests {
         let frame = |right: Option<GrayImage>| LoadedFrame { left: noise(SIZE), right, depth: None };
         assert!(preparation.apply(frame(None), &name()).unwrap().right.is_none());
         let error = preparation.apply(frame(Some(noise(SIZE))), &name()).unwrap_err();
-        assert_eq!(error, "found no rectification of camera 1");
+        assert_eq!(error.to_string(), "found no rectification of the right image");
     }
 
     #[test]
@@ -193,9 +195,12 @@ mod tests {
             depth: None,
         };
         let error = preparation.apply(frame(&small, &small), &name()).unwrap_err();
-        assert_eq!(error, "a.png: found 39x30 pixels, expected 40x30 (resolution in cam0/sensor.yaml)");
+        assert_eq!(
+            error.to_string(),
+            "a.png: found 39x30 pixels, expected 40x30 (resolution in cam0/sensor.yaml)"
+        );
         let error = preparation.apply(frame(&noise(SIZE), &small), &name()).unwrap_err();
-        assert_eq!(error, "camera 1: found an image of (39, 30) pixels, expected (40, 30)");
+        assert_eq!(error.to_string(), "the right image is 39 x 30 pixels, expected 40 x 30");
     }
 
     #[test]

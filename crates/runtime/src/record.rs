@@ -1,6 +1,7 @@
 //! What a run leaves: a record per frame, the map, the loops, the timings.
 
 use geometry::SE3;
+use io::{ImageError, ImageSize};
 use map::{KeyframeId, Map};
 use slam::{Lost, NotReady, OffsetEstimate};
 use thiserror::Error;
@@ -23,7 +24,7 @@ pub enum FrameStatus {
     /// Tracking failed.
     Lost(Lost),
     /// The images could not be used, or came while tracking was behind.
-    Dropped(String),
+    Dropped(Unusable),
 }
 
 impl FrameStatus {
@@ -31,6 +32,57 @@ impl FrameStatus {
     pub fn has_pose(&self) -> bool {
         matches!(self, FrameStatus::Tracked { .. })
     }
+
+    /// Map points that agree with its pose; `None` without a pose.
+    pub fn inliers(&self) -> Option<usize> {
+        match self {
+            FrameStatus::Tracked { inliers } => Some(*inliers),
+            _ => None,
+        }
+    }
+
+    /// Why it has no pose, in words; `None` if it has one.
+    pub fn reason(&self) -> Option<String> {
+        match self {
+            FrameStatus::NotReady(reason) => Some(reason.to_string()),
+            FrameStatus::Tracked { .. } => None,
+            FrameStatus::Lost(reason) => Some(reason.to_string()),
+            FrameStatus::Dropped(reason) => Some(reason.to_string()),
+        }
+    }
+}
+
+/// Why the images of a frame give no features.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Unusable {
+    /// An image cannot be read, or is not the one that the camera takes.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// An image does not have the size of its camera.
+    #[error(
+        "the {image} image is {} x {} pixels, expected {} x {}",
+        found.width, found.height, expected.width, expected.height
+    )]
+    Size {
+        /// `left`, `right` or `depth`.
+        image: &'static str,
+        /// Its size.
+        found: ImageSize,
+        /// That of the camera.
+        expected: ImageSize,
+    },
+    /// An image that the sensor has is not there.
+    #[error("there is no {0} image")]
+    Missing(&'static str),
+    /// There is an image of a camera that the calibration does not know.
+    #[error("found no rectification of the {0} image")]
+    Unrectified(&'static str),
+    /// The network that selects features does not work.
+    #[error("{0}")]
+    Network(String),
+    /// The frame came while tracking was behind.
+    #[error("skipped: tracking was behind")]
+    Skipped,
 }
 
 /// A frame after the run.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use map::KeyframeId;
 use slam::World;
@@ -13,16 +13,16 @@ use crate::extract::ExtractStage;
 use crate::failure::{Halt, MapEnd, StageFailure, caught, map_caught};
 use crate::feed::FrameFeed;
 use crate::fetch::fetch;
-use crate::job::Job;
+use crate::job::{Job, Plan};
 use crate::journal::{Journal, JournalError, Operation, Seen};
 use crate::map_log::MapLog;
 use crate::mapping::{MapStage, Out};
 use crate::outcome::Parts;
-use crate::record::{FrameStatus, RunError, RunOutcome};
+use crate::record::{RunError, RunOutcome, Unusable};
 use crate::service::Answer;
 use crate::setup::Setup;
 use crate::timings::Stopwatch;
-use crate::track::{Message, SKIPPED, TrackLog, TrackStage};
+use crate::track::{Message, TrackLog, TrackStage};
 use crate::view::View;
 
 /// Does the run of a journal again; equal frames and setup give the bits of that run. The setup's schedule and lags have no
@@ -40,22 +40,21 @@ pub fn replay(
     if journal.setup != setup.fingerprint() {
         return Err(JournalError::OtherSetup.into());
     }
-    let (frames, available) = (journal.n_frames(), feed.len());
-    if frames > available {
+    let frames = journal.n_frames();
+    if let Some(available) = feed.size_hint().filter(|&available| frames > available) {
         return Err(JournalError::TooLong { frames, available }.into());
     }
-    let disparity_offset_px = journal.disparity_offset_px();
-    let (world, details) = (setup.world(), observer.wants_details());
-    let job = Job { feed, frames, setup, disparity_offset_px, world, stop, details };
-    observer.event(&Event::Started { frames });
+    let plan = Arc::new(Plan::new(setup.clone(), journal.disparity_offset_px(), observer.wants_details()));
+    let job = Job { feed, frames: Some(frames), stop, plan: plan.clone() };
+    observer.event(&Event::Started { frames: Some(frames) });
     let (mut tracking, mut mapping) = (TrackLog::default(), MapLog::default());
     let mut emit = |event: Event| observer.event(&event);
     let mut out = Out { log: &mut mapping, emit: &mut emit, publish: &mut |_| {} };
     let mut replay = Replay {
         journal,
-        map: job.mapping_in_turn(),
+        map: plan.mapping_in_turn(),
         done: 0,
-        seen: (0, job.start()),
+        seen: (0, plan.start()),
         messages: BTreeMap::new(),
         keyframes: BTreeMap::new(),
         solutions: BTreeMap::new(),
@@ -68,7 +67,7 @@ pub fn replay(
     };
     let world =
         if replay.is_whole { replay.map.mapper.into_world() } else { Arc::unwrap_or_clone(replay.seen.1) };
-    Ok(Parts { tracking, mapping, world, frames, failure }.outcome(setup, disparity_offset_px))
+    Ok(Parts { tracking, mapping, world, frames, failure }.outcome(&plan))
 }
 
 /// Why a replay ends early.
@@ -79,7 +78,7 @@ enum Stop {
 
 struct Replay<'a> {
     journal: &'a Journal,
-    map: MapStage<'a>,
+    map: MapStage,
     /// Operations done.
     done: usize,
     /// The world after so many operations, as a frame saw it last.
@@ -96,15 +95,14 @@ struct Replay<'a> {
 
 impl Replay<'_> {
     fn work(&mut self, job: &Job<'_>, tracking: &mut TrackLog, out: &mut Out<'_>) -> Result<(), Stop> {
-        let mut extract = ExtractStage::new(job);
-        let mut track = TrackStage::new(job);
+        let mut extract = ExtractStage::new(&job.plan);
+        let mut track = TrackStage::new(&job.plan);
         for n in 0..self.journal.n_frames() {
             let view = match self.journal.frames[n] {
                 Seen::Skipped => {
                     let info = job.feed.info(n);
-                    let status = FrameStatus::Dropped(SKIPPED.into());
-                    let watch = Stopwatch::new(info.index);
-                    tracking.without_tracking(info, status, Seen::Skipped, watch, out.emit);
+                    let (skipped, watch) = ((info, Unusable::Skipped), Stopwatch::new(info.index));
+                    tracking.without_tracking(skipped, Seen::Skipped, watch, out.emit);
                     continue;
                 }
                 Seen::Unusable => None,
@@ -114,12 +112,12 @@ impl Replay<'_> {
             let unusable = || misfit(format!("frame {n} could not be used then"));
             let message =
                 caught("track", || track.step(extracted, |_| view.ok_or_else(unusable), tracking, out.emit));
-            match message.map_err(Stop::Stage)?? {
+            match message.map_err(Stop::Stage)??.1 {
                 Some(message) => drop(self.messages.insert(n, message)),
                 None if self.journal.frames[n] == Seen::Unusable => {}
                 None => return Err(misfit(format!("frame {n} cannot be used now"))),
             }
-            if job.stop.load(Ordering::Relaxed) {
+            if job.is_stopped() {
                 return Ok(());
             }
         }

@@ -1,5 +1,6 @@
 //! A run: the calibration pass, if there is one, then all frames by the schedule asked for.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use geometry::Sensor;
@@ -7,10 +8,10 @@ use slam::{OffsetEstimate, estimate_disparity_offset};
 
 use crate::events::{Event, Observer};
 use crate::feed::FrameFeed;
-use crate::in_turn;
-use crate::job::Job;
+use crate::job::{Job, Plan};
 use crate::outcome::Parts;
 use crate::record::{RunError, RunOutcome};
+use crate::sequential;
 use crate::setup::{Schedule, Setup};
 use crate::threads::{self, Manner};
 
@@ -25,24 +26,22 @@ pub fn run(
     observer: &mut dyn Observer,
     stop: &AtomicBool,
 ) -> Result<RunOutcome, RunError> {
-    if feed.is_empty() {
+    if feed.size_hint() == Some(0) {
         return Err(RunError::NoFrames);
     }
     let calibration = calibrate(feed, setup, observer, stop)?;
     let disparity_offset_px =
         setup.disparity_offset_px + calibration.map_or(0.0, |estimate| estimate.offset_px);
-    observer.event(&Event::Started { frames: feed.len() });
-    let (frames, world, details) = (feed.len(), setup.world(), observer.wants_details());
-    let job = Job { feed, frames, setup, disparity_offset_px, world, stop, details };
-    let parts = execute(&job, setup.schedule, observer)?;
-    let mut outcome = parts.outcome(setup, disparity_offset_px);
-    outcome.calibration = calibration;
-    Ok(outcome)
+    let frames = feed.size_hint();
+    observer.event(&Event::Started { frames });
+    let plan = Arc::new(Plan::new(setup.clone(), disparity_offset_px, observer.wants_details()));
+    let parts = execute(&Job { feed, frames, stop, plan: plan.clone() }, setup.schedule, observer)?;
+    Ok(RunOutcome { calibration, ..parts.outcome(&plan) })
 }
 
 fn execute(job: &Job<'_>, schedule: Schedule, observer: &mut dyn Observer) -> Result<Parts, RunError> {
     match schedule {
-        Schedule::Sequential => in_turn::run(job, observer),
+        Schedule::Sequential => sequential::run(job, observer),
         Schedule::Lockstep => threads::run(job, Manner::Lockstep, observer),
         Schedule::Live { realtime } => threads::run(job, Manner::Live { realtime }, observer),
     }
@@ -56,14 +55,13 @@ fn calibrate(
     observer: &mut dyn Observer,
     stop: &AtomicBool,
 ) -> Result<Option<OffsetEstimate>, RunError> {
-    let frames = setup.calibration_frames.min(feed.len());
+    let frames = feed.size_hint().map_or(setup.calibration_frames, |n| n.min(setup.calibration_frames));
     if frames == 0 || setup.sensor != Sensor::Stereo {
         return Ok(None);
     }
     let pass = Setup { vocabulary: None, start: None, ..setup.clone() };
-    let disparity_offset_px = setup.disparity_offset_px;
-    let world = pass.world();
-    let job = Job { feed, frames, setup: &pass, disparity_offset_px, world, stop, details: false };
+    let plan = Arc::new(Plan::new(pass, setup.disparity_offset_px, false));
+    let job = Job { feed, frames: Some(frames), stop, plan };
     let schedule = match setup.schedule {
         Schedule::Sequential => Schedule::Sequential,
         Schedule::Lockstep | Schedule::Live { .. } => Schedule::Lockstep,
@@ -86,7 +84,7 @@ struct PassProgress<'a> {
 
 impl Observer for PassProgress<'_> {
     fn event(&mut self, event: &Event) {
-        if let Event::Frame { .. } = event {
+        if let Event::Frame(_) = event {
             self.done += 1;
             self.observer.event(&Event::Calibrating { done: self.done, frames: self.frames });
         }

@@ -5,9 +5,9 @@ use crossbeam::channel::{Receiver, Sender, bounded};
 use crate::failure::{Halt, caught};
 
 /// Where questions go.
-pub(crate) enum Service<'a, Q, A> {
+pub(crate) enum Service<Q, A> {
     /// Answers are computed when they are waited for.
-    InTurn(&'static str, Box<dyn FnMut(Q) -> A + Send + 'a>),
+    InTurn(&'static str, Box<dyn FnMut(Q) -> A + Send>),
     /// Answers are computed on a thread that reads this channel.
     Thread(Sender<Asked<Q, A>>),
 }
@@ -23,7 +23,7 @@ pub(crate) enum Answer<Q, A> {
     Coming(Receiver<A>),
 }
 
-impl<Q, A> Service<'_, Q, A> {
+impl<Q, A> Service<Q, A> {
     /// Asks; blocks only while many questions are waiting.
     pub(crate) fn ask(&self, question: Q) -> Result<Answer<Q, A>, Halt> {
         match self {

@@ -12,11 +12,11 @@ use crate::journal::Seen;
 use crate::map_log::MapLog;
 use crate::mapping::{MapStage, Out};
 use crate::outbox::Outbox;
-use crate::record::FrameStatus;
+use crate::record::Unusable;
 use crate::service::Asked;
 use crate::threads::Manner;
 use crate::timings::Stopwatch;
-use crate::track::{Message, SKIPPED, TrackLog, TrackStage};
+use crate::track::{Message, TrackLog, TrackStage};
 use crate::view::{Published, Viewer};
 
 /// What the tracking thread leaves.
@@ -49,8 +49,8 @@ impl MapLeft {
 
 /// Extracts features until no frame comes or nobody wants any more.
 pub(crate) fn extract(job: &Job<'_>, fetched: &Receiver<Fetched>, to_track: &Sender<Extracted>) {
-    let mut stage = ExtractStage::new(job);
-    let mut faults = job.faults("extract");
+    let mut stage = ExtractStage::new(&job.plan);
+    let mut faults = job.plan.faults("extract");
     for fetched in fetched {
         faults.step();
         if to_track.send(stage.extract(fetched)).is_err() {
@@ -83,8 +83,8 @@ fn track_all(
     log: &mut TrackLog,
     to_observer: &Sender<Event>,
 ) {
-    let mut stage = TrackStage::new(job);
-    let mut faults = job.faults("track");
+    let mut stage = TrackStage::new(&job.plan);
+    let mut faults = job.plan.faults("track");
     // Without an observer there is nobody to tell.
     let emit = &mut |event: Event| drop(to_observer.send(event));
     for extracted in extracted {
@@ -93,7 +93,7 @@ fn track_all(
         note_skipped(job, n, log, emit);
         let view = |watch: &mut Stopwatch| watch.time("wait", |_| viewer.at(n));
         match stage.step(extracted, view, log, emit) {
-            Ok(Some(message)) => {
+            Ok((_, Some(message))) => {
                 if message.keyframe.is_some() {
                     viewer.request(n);
                 }
@@ -101,7 +101,7 @@ fn track_all(
                     return;
                 }
             }
-            Ok(None) => {}
+            Ok((_, None)) => {}
             Err(_) => return,
         }
         if job.is_stopped() {
@@ -114,8 +114,8 @@ fn track_all(
 fn note_skipped(job: &Job<'_>, n: usize, log: &mut TrackLog, emit: &mut dyn FnMut(Event)) {
     for skipped in log.frames.len()..n {
         let info = job.feed.info(skipped);
-        let status = FrameStatus::Dropped(SKIPPED.into());
-        log.without_tracking(info, status, Seen::Skipped, Stopwatch::new(info.index), emit);
+        let watch = Stopwatch::new(info.index);
+        log.without_tracking((info, Unusable::Skipped), Seen::Skipped, watch, emit);
     }
 }
 
@@ -123,7 +123,7 @@ fn note_skipped(job: &Job<'_>, n: usize, log: &mut TrackLog, emit: &mut dyn FnMu
 pub(crate) fn map(
     job: &Job<'_>,
     manner: Manner,
-    mut stage: MapStage<'_>,
+    mut stage: MapStage,
     messages: Receiver<Message>,
     (publish, shown): (Sender<Published>, Receiver<Published>),
     to_observer: Sender<Event>,
@@ -138,8 +138,8 @@ pub(crate) fn map(
     let ended = map_caught(|| match manner {
         Manner::Lockstep => map_by_rule(job, &mut stage, messages, &mut out),
         Manner::Live { .. } => {
-            let mut faults = job.faults("map");
-            stage.live(&messages, (job.setup.rule(), job.stop), &mut faults, &mut out)
+            let mut faults = job.plan.faults("map");
+            stage.live(&messages, (job.plan.setup.rule(), job.stop), &mut faults, &mut out)
         }
     });
     let (is_whole, failure) = ended.map_or_else(|end| (end.is_whole, end.failure), |()| (true, None));
@@ -148,11 +148,11 @@ pub(crate) fn map(
 
 fn map_by_rule(
     job: &Job<'_>,
-    stage: &mut MapStage<'_>,
+    stage: &mut MapStage,
     messages: Receiver<Message>,
     out: &mut Out<'_>,
 ) -> Result<(), Halt> {
-    let (rule, mut faults) = (job.setup.rule(), job.faults("map"));
+    let (rule, mut faults) = (job.plan.setup.rule(), job.plan.faults("map"));
     for message in messages {
         faults.step();
         stage.follow(&message, rule, out)?;

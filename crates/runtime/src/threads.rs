@@ -111,10 +111,10 @@ impl<'scope> Stages<'scope> {
             })?
         };
         let (choice, may_wait) = match manner {
-            Manner::Lockstep => (Choice::Exact(job.setup.rule()), true),
+            Manner::Lockstep => (Choice::Exact(job.plan.setup.rule()), true),
             Manner::Live { .. } => (Choice::Newest, false),
         };
-        let viewer = Viewer::new(choice, job.start(), states);
+        let viewer = Viewer::new(choice, job.plan.start(), states);
         let outbox = Outbox::new(to_mapping, may_wait);
         let track = spawn_with_workers(scope, "track", move || {
             let left = track(job, extracted, viewer, outbox, to_observer);
@@ -127,13 +127,13 @@ impl<'scope> Stages<'scope> {
     /// Waits for all stages and collects what they left.
     fn join(self, job: &Job<'_>) -> Parts {
         let decoded = joined(self.decode);
-        let frames = decoded.as_ref().copied().unwrap_or(job.frames);
+        let frames = decoded.as_ref().copied().unwrap_or(job.limit());
         let mut failures = [decoded.err(), joined(self.extract).err()].to_vec();
         let mut track = joined(self.track).unwrap_or_else(TrackLeft::nothing);
         let map = joined(self.map).unwrap_or_else(MapLeft::nothing);
         failures.extend([track.failure.take(), map.failure]);
         failures.extend(self.finders.into_iter().chain([self.global]).map(|stage| joined(stage).err()));
-        let last_shown = track.viewer.map_or_else(|| job.start(), |mut viewer| viewer.newest());
+        let last_shown = track.viewer.map_or_else(|| job.plan.start(), |mut viewer| viewer.newest());
         Parts {
             tracking: track.log,
             mapping: map.log,
@@ -155,13 +155,13 @@ fn start_source<'scope, 'env>(
     let realtime = manner == Manner::Live { realtime: true };
     let (to_extract, fetched) = bounded(if realtime { 1 } else { AHEAD });
     let (to_track, extracted) = bounded(if realtime { 0 } else { EXTRACTED_AHEAD });
-    let (taken, faults) = (fetched.clone(), job.faults("decode"));
+    let (taken, faults) = (fetched.clone(), job.plan.faults("decode"));
     let decode = spawn(scope, "decode", move || {
         if realtime {
-            paced(job.feed, job.frames, faults, (&to_extract, &taken), &reader_is_there)
+            paced(job.feed, job.limit(), faults, (&to_extract, &taken), &reader_is_there)
         } else {
             drop(taken);
-            ahead(job.feed, job.frames, faults, &to_extract)
+            ahead(job.feed, job.limit(), faults, &to_extract)
         }
     })?;
     let extract = spawn(scope, "extract", move || extract(job, &fetched, &to_track))?;
@@ -173,17 +173,17 @@ fn start_source<'scope, 'env>(
 fn start_services<'scope, 'env>(
     scope: &'scope Scope<'scope, 'env>,
     job: &'env Job<'env>,
-) -> Result<(MapStage<'env>, Option<Stage<'scope, ()>>, Stage<'scope, ()>), RunError> {
+) -> Result<(MapStage, Option<Stage<'scope, ()>>, Stage<'scope, ()>), RunError> {
     let (to_global, asked) = bounded::<Asked<GlobalQuestion, GlobalAnswer>>(QUESTIONS);
-    let work = adjust(job.setup, job.faults("global"));
+    let work = adjust(&job.plan.setup, job.plan.faults("global"));
     let global = spawn_with_workers(scope, "global", move || serve_newest(&asked, work))?;
     let (mut loops, mut finders) = (None, None);
-    if job.wants_loops() {
+    if job.plan.wants_loops() {
         let (to_loops, asked) = bounded::<Asked<LoopQuestion, LoopAnswer>>(QUESTIONS);
-        let work = find_loops(job.setup, job.faults("loop"));
+        let work = find_loops(&job.plan.setup, job.plan.faults("loop"));
         finders = Some(spawn_with_workers(scope, "loop", move || serve(&asked, work))?);
         loops = Some(Service::Thread(to_loops));
     }
-    let stage = MapStage::new(job, loops, Service::Thread(to_global));
+    let stage = MapStage::new(&job.plan, loops, Service::Thread(to_global));
     Ok((stage, finders, global))
 }

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use features::Frame;
 use map::{PointCount, RelativePose};
-use slam::{KeyframeRequest, TrackState, TrackStats, Tracked, Tracker};
+use slam::{KeyframeRequest, Placement, TrackState, TrackStats, Tracked, Tracker};
 
 use crate::details::FrameDetails;
-use crate::events::Event;
+use crate::events::{Event, FrameAnswer};
 use crate::extract::Extracted;
 use crate::feed::FrameInfo;
-use crate::job::Job;
+use crate::job::Plan;
 use crate::journal::Seen;
-use crate::record::FrameStatus;
+use crate::record::{FrameStatus, Unusable};
 use crate::timings::{FrameTimings, Stopwatch};
 use crate::view::View;
 
@@ -44,9 +44,6 @@ pub(crate) struct TrackLog {
     map_size: (usize, usize),
 }
 
-/// Why a frame that came too early for tracking has no pose.
-pub(crate) const SKIPPED: &str = "skipped: tracking was behind";
-
 /// The stage.
 pub(crate) struct TrackStage {
     tracker: Tracker,
@@ -55,8 +52,8 @@ pub(crate) struct TrackStage {
 }
 
 impl TrackStage {
-    pub(crate) fn new(job: &Job<'_>) -> Self {
-        TrackStage { tracker: Tracker::new(job.setup.slam.clone()), details: job.details }
+    pub(crate) fn new(plan: &Plan) -> Self {
+        TrackStage { tracker: Tracker::new(plan.setup.slam.clone()), details: plan.details }
     }
 
     /// Tracks a frame in what `view` gives; frames without usable images are recorded without asking for it.
@@ -69,13 +66,13 @@ impl TrackStage {
         view: impl FnOnce(&mut Stopwatch) -> Result<View, E>,
         log: &mut TrackLog,
         emit: &mut dyn FnMut(Event),
-    ) -> Result<Option<Message>, E> {
+    ) -> Result<(FrameAnswer, Option<Message>), E> {
         let Extracted { n, info, frame, seen: looked_at, mut watch } = extracted;
         let frame = match frame {
             Ok(frame) => frame,
             Err(reason) => {
-                log.without_tracking(info, FrameStatus::Dropped(reason), Seen::Unusable, watch, emit);
-                return Ok(None);
+                let answer = log.without_tracking((info, reason), Seen::Unusable, watch, emit);
+                return Ok((answer, None));
             }
         };
         let view = view(&mut watch)?;
@@ -83,11 +80,12 @@ impl TrackStage {
         let mut tracked =
             watch.time("track", |watch| self.tracker.track(&frame, &view.world, view.idle, watch));
         watch.add_to_last(extract_ms);
-        emit(frame_event(&frame, &tracked, &view, watch.last("track")));
+        let answer = answer(&frame, &tracked, &view, watch.last("track"));
+        emit(Event::Frame(answer.clone()));
         note_relocalisation(&tracked, &info, &view, log, emit);
         let map = &view.world.map;
         log.map_size = (map.n_keyframes(), map.n_points());
-        let (status, timings) = (status_of(&tracked), watch.finish());
+        let (status, timings) = (answer.status.clone(), watch.finish());
         if self.details {
             let stages = timings.stages.clone();
             let details =
@@ -101,7 +99,7 @@ impl TrackStage {
             seen: Seen::After(view.operation, view.idle),
             timings,
         });
-        Ok(Some(Message { n, counts: tracked.counts, keyframe: tracked.keyframe }))
+        Ok((answer, Some(Message { n, counts: tracked.counts, keyframe: tracked.keyframe })))
     }
 }
 
@@ -109,24 +107,29 @@ impl TrackLog {
     /// Records a frame that was not tracked.
     pub(crate) fn without_tracking(
         &mut self,
-        info: FrameInfo,
-        status: FrameStatus,
+        (info, reason): (FrameInfo, Unusable),
         seen: Seen,
         watch: Stopwatch,
         emit: &mut dyn FnMut(Event),
-    ) {
-        emit(Event::Frame {
+    ) -> FrameAnswer {
+        let status = FrameStatus::Dropped(reason);
+        let answer = FrameAnswer {
             index: info.index,
             timestamp_s: info.timestamp_s,
             status: status.clone(),
+            world_from_cam: None,
+            submap: None,
+            keyframe: None,
             stats: TrackStats::default(),
             features: 0,
             with_depth: 0,
             keyframes: self.map_size.0,
             points: self.map_size.1,
             track_ms: 0.0,
-        });
+        };
+        emit(Event::Frame(answer.clone()));
         self.frames.push(TrackedFrame { info, status, relative: None, seen, timings: watch.finish() });
+        answer
     }
 }
 
@@ -145,16 +148,25 @@ fn note_relocalisation(
     }
 }
 
-fn frame_event(frame: &Arc<Frame>, tracked: &Tracked, view: &View, track_ms: f64) -> Event {
-    Event::Frame {
+fn answer(frame: &Frame, tracked: &Tracked, view: &View, track_ms: f64) -> FrameAnswer {
+    let (status, map) = (status_of(tracked), &view.world.map);
+    let pose = tracked.pose.filter(|_| status.has_pose()).map(|pose| pose.on_living(map));
+    let cam_from_world = match tracked.keyframe.as_ref().map(|request| request.placement) {
+        Some(Placement::NewSubmap { cam_from_world }) => Some(cam_from_world),
+        _ => pose.and_then(|pose| pose.cam_from_world(map)),
+    };
+    FrameAnswer {
         index: frame.index,
         timestamp_s: frame.timestamp_s,
-        status: status_of(tracked),
+        status,
+        world_from_cam: cam_from_world.map(|cam_from_world| cam_from_world.normalized().inverse()),
+        submap: pose.and_then(|pose| map.submap_of(pose.keyframe)),
+        keyframe: tracked.keyframe.as_ref().map(|request| request.reason),
         stats: tracked.stats,
         features: frame.len(),
         with_depth: frame.n_with_depth(),
-        keyframes: view.world.map.n_keyframes(),
-        points: view.world.map.n_points(),
+        keyframes: map.n_keyframes(),
+        points: map.n_points(),
         track_ms,
     }
 }

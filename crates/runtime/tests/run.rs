@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use dsslam_runtime::{
-    Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Schedule, Sensor, Setup, Silent, run,
+    Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Schedule, Setup, Silent, Unusable, run,
 };
 use features::{ExtractorConfig, Rig};
 use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
-use io::LoadedFrame;
+use io::{ImageError, LoadedFrame};
 use slam::{NotReady, Params};
 
 const WIDTH: usize = 320;
@@ -29,25 +29,29 @@ enum Kind {
 struct Feed(Vec<Kind>);
 
 impl FrameFeed for Feed {
-    fn len(&self) -> usize {
-        self.0.len()
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.0.len())
     }
 
     fn info(&self, i: usize) -> FrameInfo {
         FrameInfo { index: i as u32, timestamp_s: i as f64 * 0.1 }
     }
 
-    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+    fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {
         let black = GrayImage::new(WIDTH, HEIGHT, 0);
         let (left, right) = match self.0[i] {
             Kind::Good => (wall(0), Some(wall(12))),
             Kind::Black => (black.clone(), Some(black)),
-            Kind::Broken => return Err("left.png: unexpected end of file".into()),
+            Kind::Broken => return Err(broken()),
             Kind::NoRight => (wall(0), None),
             Kind::OtherSize => (wall(0), Some(GrayImage::new(WIDTH / 2, HEIGHT, 0))),
         };
         Ok(LoadedFrame { left, right, depth: None })
     }
+}
+
+fn broken() -> Unusable {
+    ImageError::Unreadable { path: "left.png".into(), reason: "unexpected end of file".into() }.into()
 }
 
 /// Blocks of random-looking brightness, moved left by `shift` pixels.
@@ -90,14 +94,14 @@ fn check_unusable_frames(schedule: Schedule) {
     let feed = Feed(vec![Broken, Black, Good, Broken, Good, NoRight, OtherSize, Good]);
     let setup = Setup { schedule, ..setup() };
     let outcome = run(&feed, &setup, &mut Silent, &AtomicBool::new(false)).unwrap();
-    let dropped = |reason: &str| FrameStatus::Dropped(reason.into());
     let status: Vec<_> = outcome.frames.iter().map(|frame| frame.status.clone()).collect();
-    assert_eq!(status[0], dropped("left.png: unexpected end of file"));
+    assert_eq!(status[0], FrameStatus::Dropped(broken()));
+    assert_eq!(status[0].reason().unwrap(), "left.png: cannot be read: unexpected end of file");
     let nothing = NotReady::TooFewDepths { found: 0, needed: 100, features: 0 };
     assert_eq!(status[1], FrameStatus::NotReady(nothing));
-    assert_eq!(status[3], dropped("left.png: unexpected end of file"));
-    assert_eq!(status[5], dropped("there is no right image"));
-    assert_eq!(status[6], dropped("the right image is 160 x 200 pixels, expected 320 x 200"));
+    assert_eq!(status[3], FrameStatus::Dropped(broken()));
+    assert_eq!(status[5].reason().unwrap(), "there is no right image");
+    assert_eq!(status[6].reason().unwrap(), "the right image is 160 x 200 pixels, expected 320 x 200");
     for i in [2, 4, 7] {
         assert!(status[i].has_pose(), "frame {i}: {:?}", status[i]);
     }
@@ -123,7 +127,7 @@ struct Stopper<'a> {
 
 impl Observer for Stopper<'_> {
     fn event(&mut self, event: &Event) {
-        if let Event::Frame { .. } = event {
+        if let Event::Frame(_) = event {
             self.after = self.after.saturating_sub(1);
             if self.after == 0 {
                 self.stop.store(true, Ordering::Relaxed);

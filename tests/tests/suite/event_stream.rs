@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 
 use events::{Camera, Ending, Record, Scene, Start, StreamReader};
-use runtime::{EventStream, FrameFeed, RunOutcome, Schedule, StreamOptions, StreamReport, run};
+use runtime::{EventStream, RunOutcome, Schedule, StreamOptions, StreamReport, run};
 
 use crate::schedules::{bits, in_turn, revisit, setup};
 

@@ -4,9 +4,9 @@
 use std::sync::{Arc, LazyLock, OnceLock};
 
 use features::{ExtractorConfig, Rig};
-use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
+use geometry::{Distortion, GrayImage, Pinhole, Sensor, StereoRig};
 use io::LoadedFrame;
-use runtime::{FrameFeed, FrameInfo, Sensor, Setup};
+use runtime::{FrameFeed, FrameInfo, Setup, Unusable};
 use slam::Params;
 use synth::{Preset, World};
 
@@ -35,6 +35,11 @@ impl RenderedFeed {
         self
     }
 
+    /// Number of its frames.
+    pub(crate) fn len(&self) -> usize {
+        self.order.len()
+    }
+
     /// A setup for it, with small frames, loops and the vocabulary that is part of the program.
     pub(crate) fn setup(&self) -> Setup {
         let StereoRig { camera, baseline_m } = TOWN.0.rig();
@@ -59,15 +64,15 @@ impl RenderedFeed {
 }
 
 impl FrameFeed for RenderedFeed {
-    fn len(&self) -> usize {
-        self.order.len()
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.order.len())
     }
 
     fn info(&self, i: usize) -> FrameInfo {
         FrameInfo { index: i as u32, timestamp_s: i as f64 * self.period_s }
     }
 
-    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+    fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {
         let (world, images) = &*TOWN;
         let images = images[self.order[i]].get_or_init(|| {
             let images = world.images(self.order[i]);

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use geometry::SE3;
 use runtime::{
     Faults, FrameFeed, FrameStatus, Journal, JournalError, LoopResult, RunError, RunOutcome, Schedule, Setup,
-    Silent, replay, run,
+    Silent, Unusable, replay, run,
 };
 
 use crate::rendered_feed::RenderedFeed;
@@ -106,7 +106,7 @@ fn a_live_run_in_real_time_skips_frames_and_its_journal_knows_which() {
     (0..feed.len()).for_each(|i| drop(feed.load(i)));
     let live = setup(Schedule::Live { realtime: true });
     let outcome = done(&feed, &live);
-    let skipped = FrameStatus::Dropped("skipped: tracking was behind".into());
+    let skipped = FrameStatus::Dropped(Unusable::Skipped);
     let n_skipped = outcome.frames.iter().filter(|frame| frame.status == skipped).count();
     assert_eq!(outcome.frames.len(), 30);
     assert!((5..30).contains(&n_skipped), "{n_skipped} skipped");

@@ -25,7 +25,7 @@ pub(super) fn of_job(job: &Job) -> Start {
             center: [camera.cx, camera.cy],
             size: [size(rig.width), size(rig.height)],
         },
-        n_frames: size(job.session.input().feed().len()),
+        n_frames: job.session.input().feed().size_hint().map_or(u32::MAX, size),
         truth: truth.iter().map(|(frame, pose)| position(*frame, pose)).collect(),
     }
 }
@@ -44,7 +44,7 @@ pub(crate) fn true_poses(job: &Job) -> Trajectory {
 fn truth(job: &Job) -> Vec<(u32, StampedPose)> {
     let (sequence, feed) = (job.sequence(), job.session.input().feed());
     let Some(body) = &sequence.ground_truth else { return Vec::new() };
-    let info = (0..feed.len()).map(|i| feed.info(i));
+    let info = (0..feed.size_hint().unwrap_or(0)).map(|i| feed.info(i));
     let frames: Vec<(u32, f64)> = info.map(|info| (info.index, info.timestamp_s)).collect();
     truth_of(&frames, body, &sequence.body_from_left)
 }

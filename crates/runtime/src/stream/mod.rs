@@ -128,9 +128,9 @@ impl Observer for EventStream {
             self.backlog.keep(Record::Text(text));
         }
         match event {
-            Event::Frame { index, timestamp_s, status: FrameStatus::Dropped(reason), .. } => {
-                self.newest_frame = *index;
-                self.backlog.keep(Record::Frame(records::dropped(*index, *timestamp_s, reason)));
+            Event::Frame(answer) if matches!(answer.status, FrameStatus::Dropped(_)) => {
+                self.newest_frame = answer.index;
+                self.backlog.keep(Record::Frame(records::dropped(answer)));
             }
             Event::Details(details) => {
                 self.newest_frame = details.info.index;

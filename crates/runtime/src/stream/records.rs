@@ -11,6 +11,7 @@ use geometry::{SE3, Vec2, Vec3};
 use io::Preview;
 
 use crate::details::FrameDetails;
+use crate::events::FrameAnswer;
 use crate::record::{FrameStatus, RunOutcome};
 
 /// A frame after tracking.
@@ -19,7 +20,7 @@ pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
         FrameStatus::NotReady(reason) => (FrameState::NotReady, reason.to_string()),
         FrameStatus::Tracked { .. } => (FrameState::Tracked, String::new()),
         FrameStatus::Lost(reason) => (FrameState::Lost, reason.to_string()),
-        FrameStatus::Dropped(reason) => (FrameState::Dropped, reason.clone()),
+        FrameStatus::Dropped(reason) => (FrameState::Dropped, reason.to_string()),
     };
     let (frame, stats) = (&details.frame, &details.stats);
     FrameRecord {
@@ -49,12 +50,12 @@ pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
 }
 
 /// A frame whose images could not be used.
-pub(super) fn dropped(index: u32, timestamp_s: f64, reason: &str) -> FrameRecord {
+pub(super) fn dropped(answer: &FrameAnswer) -> FrameRecord {
     FrameRecord {
-        index,
-        timestamp_s,
+        index: answer.index,
+        timestamp_s: answer.timestamp_s,
         state: FrameState::Dropped,
-        reason: reason.to_owned(),
+        reason: answer.status.reason().unwrap_or_default(),
         pose: None,
         counts: Counts::default(),
         stages: Vec::new(),

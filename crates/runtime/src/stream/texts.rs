@@ -18,17 +18,18 @@ impl Texts {
         let info = |frame: Option<u32>, text: String| Some(Text { frame, level: Level::Info, text });
         let warning = |frame: Option<u32>, text: String| Some(Text { frame, level: Level::Warning, text });
         match event {
-            Event::Started { frames } => info(None, format!("run over {frames} frames")),
+            Event::Started { frames: None } => info(None, "run begins".to_owned()),
+            Event::Started { frames: Some(frames) } => info(None, format!("run over {frames} frames")),
             Event::Calibrated { estimate: Some(estimate) } => info(
                 None,
                 format!("disparity offset {:+.3} px from the calibration pass", estimate.offset_px),
             ),
-            Event::Frame { index, status, .. } => self.of_status(*index, status),
+            Event::Frame(answer) => self.of_status(answer.index, &answer.status),
             Event::Relocalised { frame, keyframe, .. } => {
                 info(Some(*frame), format!("place recognised near keyframe {keyframe}"))
             }
             Event::Keyframe { id, frame, reason, .. } => {
-                info(Some(*frame), format!("keyframe {id} ({reason:?})"))
+                info(Some(*frame), format!("keyframe {id} ({reason})"))
             }
             Event::SubmapStarted { frame, keyframe } => {
                 warning(Some(*frame), format!("new sub-map from keyframe {keyframe} on"))
