@@ -1,6 +1,6 @@
 //! The numbers of a run as `summary.json` holds them.
 
-use runtime::{FrameRecord, FrameStatus, RunOutcome, Timings};
+use runtime::{FrameRecord, RunOutcome, Timings};
 use serde::{Serialize, Serializer};
 
 use crate::clock;

@@ -8,7 +8,7 @@ use dsslam_runtime::{
     Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Schedule, Setup, Silent, Unusable, run,
 };
 use features::{ExtractorConfig, Rig};
-use geometry::{Distortion, GrayImage, Pinhole, StereoRig};
+use geometry::{Distortion, GrayImage, Pinhole, Sensor, StereoRig};
 use io::{ImageError, LoadedFrame};
 use slam::{NotReady, Params};
 
