@@ -79,14 +79,14 @@ pub(crate) mod tests {
     use super::*;
     use geometry::{SE3, SO3, Vec3};
     use map::KeyframeId;
-    use runtime::FrameTimings;
+    use runtime::{FrameTimings, Unusable};
 
     /// A frame at x = `x` metres, or a dropped one.
     pub(crate) fn record(index: u32, x: Option<f64>) -> FrameRecord {
         let world_from_cam = x.map(|x| SE3::new(SO3::identity(), Vec3::new(x, 0.0, 0.0)));
         let status = match x {
             Some(_) => FrameStatus::Tracked { inliers: 100 },
-            None => FrameStatus::Dropped("no image".to_owned()),
+            None => FrameStatus::Dropped(Unusable::Missing("left")),
         };
         FrameRecord { index, timestamp_s: f64::from(index) * 0.1, status, world_from_cam, submap: None }
     }

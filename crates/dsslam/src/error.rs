@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bow::{FormatError, VocabularyError};
 use io::{CameraError, ConfigErrors, DatasetError, FileError, ImageError, ImageSize, Sensor, VideoError};
 use map::MapFileError;
-use runtime::RunError;
+use runtime::{RunEnded, RunError, StageFailure};
 
 /// Why something cannot be used. The message names the file or the key, what was found and what was expected.
 #[derive(Debug, thiserror::Error)]
@@ -132,6 +132,12 @@ pub enum Error {
     /// The run cannot begin.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// A stage has failed, which is a bug.
+    #[error(transparent)]
+    Stage(#[from] StageFailure),
+    /// A stage has ended the run; its results say why.
+    #[error(transparent)]
+    Ended(#[from] RunEnded),
 }
 
 /// Why a frame was not taken.

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use features::{Extractor, ExtractorConfig, FeatureMask, Rig};
-use geometry::GrayImage;
 use io::{Config, FeatureSettings, ImageSize, Sequence};
 use runtime::{Preparation, Setup};
 
@@ -51,21 +50,14 @@ impl Intake {
         Ok(Self { path: path.to_path_buf(), sequence, config, size, preparation, notices })
     }
 
-    /// Where features may be taken: not where `wanted` or else the configuration's mask is 0, nor in a border that rectification
-    /// leaves; `None`: everywhere.
+    /// Where features may be taken: not where the configuration's mask is 0, nor in a border that rectification leaves; `None`:
+    /// everywhere.
     ///
     /// # Errors
     /// A mask that is not an image, or has another size than the images.
-    pub(crate) fn mask(
-        &self,
-        extractor: &ExtractorConfig,
-        wanted: Option<&GrayImage>,
-    ) -> Result<Option<FeatureMask>, Error> {
-        if wanted.is_some() {
-            return Ok(self.preparation.mask(extractor, wanted));
-        }
-        let configured = setup::wanted_mask(&self.config, self.size)?;
-        Ok(self.preparation.mask(extractor, configured.as_ref()))
+    pub(crate) fn mask(&self, extractor: &ExtractorConfig) -> Result<Option<FeatureMask>, Error> {
+        let wanted = setup::wanted_mask(&self.config, self.size)?;
+        Ok(self.preparation.mask(extractor, wanted.as_ref()))
     }
 
     /// The settings of features in force, those of the sensor.
@@ -79,7 +71,7 @@ impl Intake {
     /// As [`Intake::mask`].
     pub(crate) fn extractor(&self) -> Result<Extractor, Error> {
         let config = setup::extractor(&self.features());
-        let mask = self.mask(&config, None)?;
+        let mask = self.mask(&config)?;
         Ok(Extractor::new(config).with_mask(mask.map(Arc::new)))
     }
 
@@ -97,7 +89,7 @@ impl Intake {
     /// A camera that nobody gives, a mask or a network that cannot be used.
     pub(crate) fn setup(&self, options: &NetworkOptions) -> Result<Setup, Error> {
         let mut setup = setup::from_config(&self.config, self.sequence.sensor, self.rig()?);
-        setup.mask = self.mask(&setup.extractor, None)?.map(Arc::new);
+        setup.mask = self.mask(&setup.extractor)?.map(Arc::new);
         setup.selection = network::selection(&self.features(), options)?;
         Ok(setup)
     }

@@ -7,7 +7,7 @@ use io::{
     Calibration, DatasetError, ImageSize, LoadedFrame, Sensor, Sequence, SequenceKind, StampedPose,
     Trajectory,
 };
-use runtime::{FrameFeed, FrameInfo, Preparation};
+use runtime::{FrameFeed, FrameInfo, Preparation, Unusable};
 use synth::World;
 
 /// The first frames of a world.
@@ -27,15 +27,15 @@ impl RenderedFeed {
 }
 
 impl FrameFeed for RenderedFeed {
-    fn len(&self) -> usize {
-        self.len
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.len)
     }
 
     fn info(&self, i: usize) -> FrameInfo {
         FrameInfo { index: i as u32, timestamp_s: self.world.timestamp_s(i) }
     }
 
-    fn load(&self, i: usize) -> Result<LoadedFrame, String> {
+    fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {
         let images = self.world.images(i);
         let right = (self.sensor == Sensor::Stereo).then_some(images.right);
         let frame = LoadedFrame { left: images.left, right, depth: None };

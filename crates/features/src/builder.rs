@@ -90,8 +90,13 @@ impl FrameBuilder {
     /// Takes features of the left image from now on only where the mask allows it.
     #[must_use]
     pub fn with_mask(mut self, mask: Option<Arc<FeatureMask>>) -> Self {
-        self.extractor = self.extractor.with_mask(mask);
+        self.set_mask(mask);
         self
+    }
+
+    /// As [`FrameBuilder::with_mask`].
+    pub fn set_mask(&mut self, mask: Option<Arc<FeatureMask>>) {
+        self.extractor.set_mask(mask);
     }
 
     /// The camera.

@@ -62,8 +62,13 @@ impl Extractor {
     /// Takes features from now on only where the mask, which has the size of the images, allows it.
     #[must_use]
     pub fn with_mask(mut self, mask: Option<Arc<FeatureMask>>) -> Self {
-        self.mask = mask;
+        self.set_mask(mask);
         self
+    }
+
+    /// As [`Extractor::with_mask`].
+    pub fn set_mask(&mut self, mask: Option<Arc<FeatureMask>>) {
+        self.mask = mask;
     }
 
     /// The features of `image`: at most `keep`, by octave, row, column; none when it is smaller than 33 pixels.

@@ -7,7 +7,7 @@ use geometry::Sensor;
 use io::{ImageSize, LoadedFrame};
 
 use crate::details::Seen;
-use crate::feed::FrameInfo;
+use crate::feed::{FrameInfo, FrameMask};
 use crate::fetch::Fetched;
 use crate::job::Plan;
 use crate::record::Unusable;
@@ -31,6 +31,8 @@ pub(crate) struct ExtractStage {
     size: ImageSize,
     /// Why there is no builder: the network cannot be opened.
     builder: Result<FrameBuilder, Unusable>,
+    /// Where features may be taken in frames without a mask of their own.
+    mask: FrameMask,
     /// Whether an observer wants details.
     details: bool,
 }
@@ -43,17 +45,19 @@ impl ExtractStage {
         }
         let rig = &plan.setup.rig;
         let size = ImageSize { width: rig.width, height: rig.height };
-        ExtractStage { sensor: plan.setup.sensor, size, builder, details: plan.details }
+        let (sensor, mask, details) = (plan.setup.sensor, plan.setup.mask.clone(), plan.details);
+        ExtractStage { sensor, size, builder, mask, details }
     }
 
     /// Makes a frame of images.
     pub(crate) fn extract(&mut self, fetched: Fetched) -> Extracted {
-        let Fetched { n, info, images, decode_ms } = fetched;
+        let Fetched { n, info, images, decode_ms, mask } = fetched;
         let mut watch = Stopwatch::new(info.index);
         watch.add("decode", decode_ms);
         let mut seen = None;
         let frame = images.and_then(|images| self.usable(images)).and_then(|images| {
             let builder = self.builder.as_mut().map_err(|reason| reason.clone())?;
+            builder.set_mask(mask.unwrap_or_else(|| self.mask.clone()));
             let frame = watch.time("extract", |_| build(builder, self.sensor, info, &images));
             let frame = frame.map_err(Unusable::Network)?;
             seen = self.details.then(|| Seen {

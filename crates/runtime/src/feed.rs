@@ -1,5 +1,8 @@
 //! Where frames come from: a dataset on disk, a renderer, a test.
 
+use std::sync::Arc;
+
+use features::FeatureMask;
 use io::{FrameSource, LoadedFrame, Sequence, load_frame};
 
 use crate::prepare::Preparation;
@@ -13,6 +16,9 @@ pub struct FrameInfo {
     /// Time, seconds.
     pub timestamp_s: f64,
 }
+
+/// Where features may be taken in a frame; `None`: everywhere.
+pub type FrameMask = Option<Arc<FeatureMask>>;
 
 /// A source of frames. Loading happens on a thread of its own, ahead of tracking.
 pub trait FrameFeed: Sync {
@@ -39,6 +45,10 @@ pub trait FrameFeed: Sync {
     /// # Errors
     /// Why this frame has to be dropped; the run goes on.
     fn load(&self, i: usize) -> Result<LoadedFrame, Unusable>;
+    /// The mask of the `i`-th frame, asked for after it was loaded; `None`: that of the setup.
+    fn mask(&self, _i: usize) -> Option<FrameMask> {
+        None
+    }
 }
 
 /// The first frames of a dataset, prepared for feature extraction.

@@ -4,7 +4,7 @@ use crossbeam::channel::{Receiver, Sender, TrySendError};
 use io::LoadedFrame;
 
 use crate::faults::StageFaults;
-use crate::feed::{FrameFeed, FrameInfo};
+use crate::feed::{FrameFeed, FrameInfo, FrameMask};
 use crate::record::Unusable;
 use crate::timings::{Pace, timed};
 
@@ -18,12 +18,14 @@ pub(crate) struct Fetched {
     pub(crate) info: FrameInfo,
     pub(crate) images: Result<LoadedFrame, Unusable>,
     pub(crate) decode_ms: f64,
+    /// Where features may be taken; `None`: where the setup allows it.
+    pub(crate) mask: Option<FrameMask>,
 }
 
 /// Loads the `n`-th frame of a feed.
 pub(crate) fn fetch(feed: &dyn FrameFeed, n: usize) -> Fetched {
     let (images, decode_ms) = timed(|| feed.load(n));
-    Fetched { n, info: feed.info(n), images, decode_ms }
+    Fetched { n, info: feed.info(n), images, decode_ms, mask: feed.mask(n) }
 }
 
 /// Sends the first `frames` frames in order, each as soon as there is room, until nobody reads any more. Returns how many there are, as

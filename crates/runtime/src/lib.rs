@@ -52,7 +52,7 @@ pub use details::{FrameDetails, Seen};
 pub use events::{Event, FrameAnswer, Observer, Silent};
 pub use failure::StageFailure;
 pub use faults::Faults;
-pub use feed::{FrameFeed, FrameInfo, SequenceFeed};
+pub use feed::{FrameFeed, FrameInfo, FrameMask, SequenceFeed};
 pub use geometry::Sensor;
 pub use journal::{Journal, JournalError};
 pub use map_log::{LoopRecord, LoopResult, Statistics};

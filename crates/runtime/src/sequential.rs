@@ -10,7 +10,7 @@ use crate::events::{Event, FrameAnswer, Observer};
 use crate::extract::ExtractStage;
 use crate::failure::{MapEnd, StageFailure, caught, map_caught};
 use crate::faults::StageFaults;
-use crate::feed::FrameInfo;
+use crate::feed::{FrameInfo, FrameMask};
 use crate::fetch::{AHEAD, Fetched, ahead};
 use crate::job::{Job, Plan};
 use crate::map_log::MapLog;
@@ -93,7 +93,21 @@ impl Sequential {
         images: Result<LoadedFrame, Unusable>,
         observer: &mut dyn Observer,
     ) -> Result<FrameAnswer, StageFailure> {
-        self.take(Fetched { n: self.n_frames, info, images, decode_ms: 0.0 }, observer)
+        self.step_masked(info, images, None, observer)
+    }
+
+    /// As [`Sequential::step`], with a mask of this frame in the place of the setup's.
+    ///
+    /// # Errors
+    /// As [`Sequential::step`].
+    pub fn step_masked(
+        &mut self,
+        info: FrameInfo,
+        images: Result<LoadedFrame, Unusable>,
+        mask: Option<FrameMask>,
+        observer: &mut dyn Observer,
+    ) -> Result<FrameAnswer, StageFailure> {
+        self.take(Fetched { n: self.n_frames, info, images, decode_ms: 0.0, mask }, observer)
     }
 
     /// Brings in the corrections that are still to come, and puts the results together. Without any frame they are empty.

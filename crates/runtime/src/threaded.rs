@@ -10,13 +10,13 @@ use thiserror::Error;
 
 use crate::events::{Event, FrameAnswer, Observer};
 use crate::failure::StageFailure;
-use crate::feed::{FrameFeed, FrameInfo};
+use crate::feed::{FrameFeed, FrameInfo, FrameMask};
 use crate::record::{RunError, RunOutcome, Unusable};
 use crate::run::run;
 use crate::setup::Setup;
 
 /// A frame on its way to the run.
-type Pushed = (FrameInfo, Result<LoadedFrame, Unusable>);
+type Pushed = (FrameInfo, Result<LoadedFrame, Unusable>, Option<FrameMask>);
 
 /// Frames that may wait for the run to take them.
 const WAITING: usize = 1;
@@ -66,8 +66,21 @@ impl Threaded {
     /// # Errors
     /// When a stage has ended the run.
     pub fn push(&self, info: FrameInfo, images: Result<LoadedFrame, Unusable>) -> Result<(), RunEnded> {
+        self.push_masked(info, images, None)
+    }
+
+    /// As [`Threaded::push`], with a mask of this frame in the place of the setup's.
+    ///
+    /// # Errors
+    /// As [`Threaded::push`].
+    pub fn push_masked(
+        &self,
+        info: FrameInfo,
+        images: Result<LoadedFrame, Unusable>,
+        mask: Option<FrameMask>,
+    ) -> Result<(), RunEnded> {
         let frames = self.frames.as_ref().ok_or(RunEnded)?;
-        frames.send((info, images)).map_err(|_| RunEnded)
+        frames.send((info, images, mask)).map_err(|_| RunEnded)
     }
 
     /// Waits for the next answer; `None` when the run has ended and all were taken. There is one for each frame that was pushed, so
@@ -121,6 +134,8 @@ struct PushedState {
     infos: Vec<FrameInfo>,
     /// Images of the newest frame, until they are taken.
     images: Option<Result<LoadedFrame, Unusable>>,
+    /// Its mask.
+    mask: Option<FrameMask>,
 }
 
 impl FrameFeed for PushedFeed {
@@ -130,10 +145,10 @@ impl FrameFeed for PushedFeed {
 
     fn ends_before(&self, _: usize) -> bool {
         // Waits without the lock, since others ask for earlier frames meanwhile.
-        let Ok((info, images)) = self.pushed.recv() else { return true };
+        let Ok((info, images, mask)) = self.pushed.recv() else { return true };
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.infos.push(info);
-        state.images = Some(images);
+        (state.images, state.mask) = (Some(images), mask);
         false
     }
 
@@ -149,6 +164,10 @@ impl FrameFeed for PushedFeed {
         let images = self.state.lock().unwrap_or_else(PoisonError::into_inner).images.take();
         // A run loads each frame once.
         images.unwrap_or(Err(Unusable::Missing("left")))
+    }
+
+    fn mask(&self, _: usize) -> Option<FrameMask> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).mask.take()
     }
 }
 
