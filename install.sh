@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what is missing and builds the program: ./install.sh [--rerun] [--video] [--prefix DIR]
-# May be run again at any time: what is there is kept. With --prefix the programs are also copied to DIR/bin,
+# Safe to run again: what is already installed is kept. With --prefix the programs are also copied to DIR/bin,
 # with manual pages and completions. With --rerun also
 # dsslam-rerun, which feeds the Rerun viewer (ten minutes more on two cores). With --video also dsslam-video, which decodes
 # videos and cameras for it and needs OpenCV (about 1.5 GB).
@@ -15,7 +15,7 @@ video=
 rerun=
 while [ $# -gt 0 ]; do
   case $1 in
-    --prefix) prefix=${2:?install.sh: --prefix wants a folder}; shift 2 ;;
+    --prefix) prefix=${2:?install.sh: --prefix needs a folder}; shift 2 ;;
     --prefix=*) prefix=${1#--prefix=}; shift ;;
     --video) video=yes; shift ;;
     --rerun) rerun=1; shift ;;
@@ -42,7 +42,7 @@ if ! command -v cargo >/dev/null 2>&1; then
     [ -x "$folder/cargo" ] && PATH=$folder:$PATH && break
   done
 fi
-command -v cargo >/dev/null 2>&1 || fail "cargo is not there. Get Rust (https://rustup.rs) with
+command -v cargo >/dev/null 2>&1 || fail "cargo not found. Get Rust (https://rustup.rs) with
     curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh
 open a new shell and run ./install.sh again"
 wanted=$(sed -n 's/^rust-version *= *"\(.*\)"/\1/p' Cargo.toml)
@@ -57,7 +57,7 @@ if message=$(crates/dsfeat/get-onnxruntime.sh 2>&1); then
 else
   echo "      not installed: $message" >&2
   echo "      Without it features.selection must be response: with configs/kitti.yaml add --set features.selection=response" >&2
-  echo "      --set features.keep=2000. Run crates/dsfeat/get-onnxruntime.sh again, or name a library with --onnxruntime FILE" >&2
+  echo "      --set features.keep=2000. Run crates/dsfeat/get-onnxruntime.sh again, or pass a library with --onnxruntime FILE" >&2
 fi
 
 echo "[4/4] cargo build --release --locked"
@@ -70,7 +70,7 @@ if [ -n "$rerun" ]; then
   cargo build --profile viewer -p dsslam-viewer --locked
   install -m 755 "$target/viewer/dsslam-rerun" "$viewer"
   command -v rerun >/dev/null 2>&1 ||
-    echo "      the Rerun viewer itself is not there: pip install rerun-sdk==$(sed -n 's/^rerun = .*"=\([0-9.]*\)".*/\1/p' Cargo.toml)"
+    echo "      the Rerun viewer itself is missing: pip install rerun-sdk==$(sed -n 's/^rerun = .*"=\([0-9.]*\)".*/\1/p' Cargo.toml)"
 fi
 if [ -n "$prefix" ]; then
   mkdir -p "$prefix/bin"

@@ -17,9 +17,9 @@ if matches "$folder/$name"; then
   exit 0
 fi
 [ "$(uname -sm)" = "Linux x86_64" ] ||
-  fail "there is a recipe for Linux on x86_64 only; install ONNX Runtime 1.24 or newer and name it with --onnxruntime FILE"
+  fail "this script supports only Linux on x86_64; install ONNX Runtime 1.24 or newer and pass it with --onnxruntime FILE"
 if ! python3 -m pip --version >/dev/null 2>&1; then
-  command -v apt-get >/dev/null 2>&1 || fail "python3 with pip is not there; it fetches the package onnxruntime"
+  command -v apt-get >/dev/null 2>&1 || fail "python3 with pip not found; it fetches the package onnxruntime"
   echo "installing the package python3-pip"
   sudo=; [ "$(id -u)" = 0 ] || sudo=sudo
   $sudo apt-get update -qq && $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends python3-pip >/dev/null ||
@@ -31,7 +31,7 @@ trap 'rm -rf "$scratch"' EXIT
 # The library is in the Python package; any Python may fetch it.
 python3 -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: --python-version 3.12 \
   --implementation cp --abi cp312 --platform manylinux_2_28_x86_64 --platform manylinux_2_27_x86_64 \
-  -d "$scratch" "onnxruntime==$version" || fail "the package onnxruntime $version cannot be fetched"
+  -d "$scratch" "onnxruntime==$version" || fail "the package onnxruntime $version cannot be downloaded"
 python3 -m zipfile -e "$scratch"/*.whl "$scratch"
 found=$scratch/onnxruntime/capi/$name
 matches "$found" || fail "the library fetched is not the expected one: $(sha256sum "$found")"

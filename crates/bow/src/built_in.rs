@@ -1,4 +1,4 @@
-//! The vocabulary that is part of the program, see `vocab/README.md`.
+//! The built-in vocabulary, see `vocab/README.md`.
 
 use crate::error::FormatError;
 use crate::vocabulary::Vocabulary;
@@ -10,7 +10,7 @@ struct Aligned<T: ?Sized>(T);
 static BYTES: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../vocab/orb.dbow"));
 
 impl Vocabulary {
-    /// The vocabulary that is part of the program: nothing to find, nothing to copy. Checks every byte, so keep it.
+    /// The built-in vocabulary: nothing to find, nothing to copy. Checks every byte, so keep it.
     ///
     /// # Errors
     /// [`FormatError`] when the program was built with a broken `vocab/orb.dbow`.

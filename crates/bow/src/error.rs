@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Why bytes are no vocabulary.
+/// Why bytes are not a vocabulary.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FormatError {
     /// Neither format.
@@ -77,7 +77,7 @@ pub enum VocabularyError {
         /// The reason given by the operating system.
         reason: String,
     },
-    /// Its contents are no vocabulary.
+    /// Its contents are not a vocabulary.
     #[error("{}: {problem}", path.display())]
     Format {
         /// The file.

@@ -16,12 +16,12 @@ pub(crate) fn distance(a: &Bits, b: &Bits) -> u32 {
 /// Bits of an index in the key of [`nearest`].
 const INDEX_BITS: u32 = 16;
 
-/// Index of the nearest of at most 65 536 `centres`, the first of equally near ones; 0 without any.
+/// Index of the nearest of at most 65 536 `centers`, the first of equally near ones; 0 without any.
 #[inline(always)]
-pub(crate) fn nearest(centres: &[Bits], bits: &Bits) -> usize {
+pub(crate) fn nearest(centers: &[Bits], bits: &Bits) -> usize {
     // Distance and index in one number: its least value needs no branch that the processor could not foresee.
-    let key = |(i, centre)| (distance(centre, bits) << INDEX_BITS) | i as u32;
-    let least = centres.iter().enumerate().map(key).fold(u32::MAX << INDEX_BITS, u32::min);
+    let key = |(i, center)| (distance(center, bits) << INDEX_BITS) | i as u32;
+    let least = centers.iter().enumerate().map(key).fold(u32::MAX << INDEX_BITS, u32::min);
     (least & ((1 << INDEX_BITS) - 1)) as usize
 }
 
@@ -69,12 +69,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn both_forms_agree_with_counting_bits(centres: Vec<Bits>, bits: Bits) {
+        fn both_forms_agree_with_counting_bits(centers: Vec<Bits>, bits: Bits) {
             let by_bit = |c: &Bits| (0..256).filter(|i| (c[i / 64] ^ bits[i / 64]) >> (i % 64) & 1 == 1).count();
-            let expected = (0..centres.len()).min_by_key(|&i| by_bit(&centres[i])).unwrap_or(0);
-            prop_assert_eq!(Nearest(&centres, &bits).run(), expected);
-            prop_assert_eq!(dispatch(Nearest(&centres, &bits)), expected);
-            prop_assert!(centres.iter().all(|centre| distance(centre, &bits) as usize == by_bit(centre)));
+            let expected = (0..centers.len()).min_by_key(|&i| by_bit(&centers[i])).unwrap_or(0);
+            prop_assert_eq!(Nearest(&centers, &bits).run(), expected);
+            prop_assert_eq!(dispatch(Nearest(&centers, &bits)), expected);
+            prop_assert!(centers.iter().all(|center| distance(center, &bits) as usize == by_bit(center)));
         }
     }
 

@@ -11,7 +11,7 @@ pub struct MatchSide<'a> {
     pub descriptors: &'a [Descriptor],
     /// Its direct index, at the same level of the same vocabulary as the other's.
     pub direct: &'a DirectIndex,
-    /// Its key-points, for the test of rotation; none to leave the test out.
+    /// Its keypoints, for the test of rotation; none to leave the test out.
     pub keypoints: Option<&'a [Keypoint]>,
     /// Whether each feature takes part; all do when absent.
     pub eligible: Option<&'a [bool]>,
@@ -27,7 +27,7 @@ pub struct MatchOptions {
 }
 
 impl Default for MatchOptions {
-    /// ORB-SLAM2's values for loops and relocalisation.
+    /// ORB-SLAM2's values for loops and relocalization.
     fn default() -> Self {
         Self { max_distance: 50, ratio: 0.75 }
     }
@@ -47,7 +47,7 @@ pub struct NodeMatch {
 /// Matches of two frames, one to one, ascending features of `a`.
 ///
 /// Each feature of `a` takes the nearest one of `b` under its node (the first of equals) if it passes distance and ratio;
-/// a feature of `b` that several want goes to the nearest (the first of equals). With key-points on both sides only the
+/// a feature of `b` that several want goes to the nearest (the first of equals). With keypoints on both sides only the
 /// matches whose rotation agrees with most remain.
 #[must_use]
 pub fn match_by_node(a: &MatchSide<'_>, b: &MatchSide<'_>, options: &MatchOptions) -> Vec<NodeMatch> {

@@ -23,7 +23,7 @@ impl Vocabulary {
     /// Vector and direct index at [`DIRECT_LEVEL`] of an image's descriptors.
     ///
     /// `activation`, one weight per descriptor, multiplies what a feature adds to the vector; features whose weight is not
-    /// positive and finite add nothing. Missing weights count as one. All features stand in the direct index.
+    /// positive and finite add nothing. Missing weights count as one. All features are in the direct index.
     #[must_use]
     pub fn transform(&self, descriptors: &[Descriptor], activation: Option<&[f32]>) -> Transformed {
         self.transform_at(descriptors, activation, DIRECT_LEVEL)

@@ -8,9 +8,9 @@ pub struct BowVector {
 }
 
 impl BowVector {
-    /// The normalised vector of these (word, weight) pairs, in any order, words may repeat.
+    /// The normalized vector of these (word, weight) pairs, in any order, words may repeat.
     ///
-    /// Weights of equal words are added in the order given; words whose weight is not positive and finite are left out.
+    /// Weights of equal words are added in the order given; words whose weight is not positive and finite are skipped.
     #[must_use]
     pub fn from_weights(mut pairs: Vec<(u32, f32)>) -> Self {
         pairs.retain(|&(_, weight)| weight > 0.0 && weight.is_finite());
@@ -118,7 +118,7 @@ mod tests {
         }
 
         #[test]
-        fn vectors_are_sorted_and_normalised(pairs in pairs()) {
+        fn vectors_are_sorted_and_normalized(pairs in pairs()) {
             let vector = BowVector::from_weights(pairs.clone());
             prop_assert!(vector.words().windows(2).all(|w| w[0] < w[1]));
             let sum: f64 = vector.weights().iter().map(|&w| f64::from(w)).sum();

@@ -1,4 +1,4 @@
-//! The vocabulary tree: medians, first children and weights in one block of memory, as it stands in the file.
+//! The vocabulary tree: medians, first children and weights in one block of memory, as in the file.
 
 use crate::block::Block;
 use crate::error::FormatError;
@@ -16,7 +16,7 @@ pub const MAX_LEVELS: u32 = 16;
 
 /// A tree whose nodes hold the bitwise median of descriptors; its leaves are the words.
 ///
-/// Nodes are numbered breadth first, the root is 0, the children of a node are neighbours. A word is the number of its
+/// Nodes are numbered breadth first, the root is 0, the children of a node are neighbors. A word is the number of its
 /// leaf, so words are not dense. Cheap to load, as the file's bytes are used in place, and to clone.
 #[derive(Clone, Debug)]
 pub struct Vocabulary {
@@ -82,7 +82,7 @@ impl Vocabulary {
         Self::from_block(Block::Bytes(Arc::new(bytes)))
     }
 
-    /// The vocabulary in bytes that are part of the program; nothing is copied when they are aligned to 8.
+    /// The vocabulary in bytes compiled into the program; nothing is copied when they are aligned to 8.
     ///
     /// # Errors
     /// As [`Vocabulary::from_bytes`].

@@ -164,7 +164,7 @@ fn compare(image: &GrayImage, table: &RemapTable, maps: &[Vec<f32>; 2]) -> (usiz
 }
 
 /// With one map both draw noise, the hardest image there is, alike to the bit. OpenCV's own map is in single precision, so that a few
-/// places round to the neighbouring 1/32 pixel.
+/// places round to the neighboring 1/32 pixel.
 #[test]
 fn redrawn_images_are_equal() {
     let (left, right, motion) = euroc();

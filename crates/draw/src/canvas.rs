@@ -15,20 +15,20 @@ pub struct Canvas {
 /// How a line looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Its colour.
+    /// Its color.
     pub color: Color,
     /// Its width, pixels.
     pub width_px: f64,
 }
 
 impl Canvas {
-    /// An empty canvas of one colour.
+    /// An empty canvas of one color.
     #[must_use]
     pub fn new(width: usize, height: usize, fill: Color) -> Self {
         Self { image: Raster::new(width, height, fill) }
     }
 
-    /// A grey image, each pixel a square of `zoom` pixels; see [`Canvas::magnified`].
+    /// A gray image, each pixel a square of `zoom` pixels; see [`Canvas::magnified`].
     #[must_use]
     pub fn of_gray(image: &GrayImage, zoom: usize) -> Self {
         let pixel = |x: usize, y: usize| [image.at(x / zoom, y / zoom); 3];
@@ -41,7 +41,7 @@ impl Canvas {
         position.map(|v| (v + 0.5) * zoom as f64 - 0.5)
     }
 
-    /// Mixes everything with a colour, so that what is drawn afterwards stands out.
+    /// Mixes everything with a color, so that what is drawn afterwards stands out.
     pub fn wash(&mut self, color: Color, share: f64) {
         self.image.data.iter_mut().for_each(|pixel| *pixel = mix(*pixel, color, share));
     }
@@ -54,7 +54,7 @@ impl Canvas {
         }
     }
 
-    /// Lays a colour over one pixel.
+    /// Lays a color over one pixel.
     pub fn blend(&mut self, x: i64, y: i64, color: Color, share: f64) {
         let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
         if x < self.image.width && y < self.image.height {
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn magnified_pixels_keep_their_centre() {
+    fn magnified_pixels_keep_their_center() {
         let mut image = GrayImage::new(5, 4, 0);
         image.row_mut(2)[3] = 200;
         let canvas = Canvas::of_gray(&image, 3);

@@ -1,4 +1,4 @@
-//! Colours: a palette for kinds, a gradient for amounts.
+//! Colors: a palette for kinds, a gradient for amounts.
 
 /// Red, green, blue.
 pub type Color = [u8; 3];
@@ -8,7 +8,7 @@ pub const BLACK: Color = [0, 0, 0];
 /// White.
 pub const WHITE: Color = [255, 255, 255];
 
-/// Distinguishable with every common colour-vision deficiency on a grey image (after Okabe and Ito 2008), in order of use.
+/// Distinguishable with every common color-vision deficiency on a gray image (after Okabe and Ito 2008), in order of use.
 pub const PALETTE: [Color; 8] = [
     [86, 180, 233],
     [230, 159, 0],
@@ -20,7 +20,7 @@ pub const PALETTE: [Color; 8] = [
     [255, 255, 255],
 ];
 
-/// Ten colours of matplotlib's `viridis` at equal distances.
+/// Ten colors of matplotlib's `viridis` at equal distances.
 const VIRIDIS: [Color; 10] = [
     [68, 1, 84],
     [72, 40, 120],
@@ -34,7 +34,7 @@ const VIRIDIS: [Color; 10] = [
     [253, 231, 37],
 ];
 
-/// The colour of an amount: `viridis`, dark violet at 0 over green to bright yellow at 1; what lies outside has the end's colour, and
+/// The color of an amount: `viridis`, dark violet at 0 over green to bright yellow at 1; what lies outside has the end's color, and
 /// NaN that of 0.
 #[must_use]
 pub fn gradient(amount: f64) -> Color {
@@ -43,7 +43,7 @@ pub fn gradient(amount: f64) -> Color {
     mix(VIRIDIS[below], VIRIDIS[below + 1], place - below as f64)
 }
 
-/// A bright colour for an amount, for thin lines over grey images: red at 0 over yellow and green to blue at 1.
+/// A bright color for an amount, for thin lines over gray images: red at 0 over yellow and green to blue at 1.
 #[must_use]
 pub fn spread(amount: f64) -> Color {
     const STOPS: [Color; 5] = [[255, 60, 40], [255, 190, 0], [120, 230, 40], [0, 205, 215], [90, 120, 255]];

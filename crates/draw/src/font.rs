@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
 
-/// DejaVu Sans, so that pictures look alike on every machine (licence beside the file).
+/// DejaVu Sans, so that pictures look alike on every machine (license beside the file).
 pub static FONT: &[u8] = include_bytes!("../assets/DejaVuSans.ttf");
 
 fn font() -> &'static FontRef<'static> {

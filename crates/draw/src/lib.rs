@@ -1,6 +1,6 @@
-//! Pictures for people: lines, rings and text drawn over images, colour maps, palettes. No file is read or written here.
+//! Pictures for people: lines, rings and text drawn over images, color maps, palettes. No file is read or written here.
 //!
-//! Start reading at [`Canvas`]. Positions are pixels with (0, 0) at the centre of the upper left one, as everywhere.
+//! Start reading at [`Canvas`]. Positions are pixels with (0, 0) at the center of the upper left one, as everywhere.
 
 mod canvas;
 mod color;

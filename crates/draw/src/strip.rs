@@ -1,13 +1,13 @@
-//! The strip below a picture that says what its colours mean.
+//! The strip below a picture that says what its colors mean.
 
 use crate::canvas::Canvas;
 use crate::color::{Color, WHITE};
 use crate::font::text_width;
 
-/// One entry: a piece of colour and what it stands for.
+/// One entry: a piece of color and what it stands for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Swatch {
-    /// The colours from left to right; one for a kind, many for a scale.
+    /// The colors from left to right; one for a kind, many for a scale.
     pub colors: Vec<Color>,
     /// What it stands for.
     pub label: String,
@@ -18,7 +18,7 @@ pub struct Swatch {
 pub struct Strip {
     /// What the picture shows.
     pub title: String,
-    /// What its colours mean.
+    /// What its colors mean.
     pub swatches: Vec<Swatch>,
 }
 
@@ -28,7 +28,7 @@ const LINE_PX: usize = 34;
 const MARGIN_PX: usize = 10;
 
 impl Swatch {
-    /// A kind of thing with its colour.
+    /// A kind of thing with its color.
     #[must_use]
     pub fn kind(color: Color, label: impl Into<String>) -> Self {
         Self { colors: vec![color; 24], label: label.into() }

@@ -17,24 +17,24 @@ pub const DENSE_CHANNELS: usize = 64;
 const CELL: usize = 8;
 /// Sides of the input are multiples of this.
 const MULTIPLE: usize = 32;
-/// Reach of the suppression of lower scores around a key-point, pixels of the input.
+/// Reach of the suppression of lower scores around a keypoint, pixels of the input.
 const SUPPRESSION: usize = 2;
-/// Scores below this are no key-points (XFeat's own value).
+/// Scores below this are not keypoints (XFeat's own value).
 const MIN_SCORE: f32 = 0.05;
-/// Most key-points of an image.
+/// Most keypoints of an image.
 const MAX_KEYPOINTS: usize = 4096;
 
 /// A descriptor of unit length.
 pub type DenseDescriptor = [f32; DENSE_CHANNELS];
 
-/// A key-point with its descriptor.
+/// A keypoint with its descriptor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DenseKeypoint {
     /// Column on the image, pixels.
     pub x: f32,
     /// Row on the image, pixels.
     pub y: f32,
-    /// How much of a key-point it is, times how reliable its descriptor is, 0 to 1.
+    /// How much of a keypoint it is, times how reliable its descriptor is, 0 to 1.
     pub score: f32,
     /// What it looks like.
     pub descriptor: DenseDescriptor,
@@ -57,7 +57,7 @@ pub struct DenseNetwork {
 }
 
 impl DenseNetwork {
-    /// Loads a model with a colour image as input, and the outputs `descriptors` (64 channels), `keypoint_logits` (65) and
+    /// Loads a model with a color image as input, and the outputs `descriptors` (64 channels), `keypoint_logits` (65) and
     /// `reliability` (1) at an eighth of its size. `library` and `threads` as for [`crate::Network::load`].
     ///
     /// # Errors
@@ -85,9 +85,9 @@ impl DenseNetwork {
             return Err(Error::Failed(format!("the image is smaller than {MULTIPLE} x {MULTIPLE} pixels")));
         }
         self.resizer.run(image, width, height, &mut self.pixels);
-        let colours = self.pixels.repeat(3);
+        let colors = self.pixels.repeat(3);
         let failed = |error: ort::Error| Error::Failed(error.to_string());
-        let tensor = TensorRef::from_array_view(([1, 3, height, width], &colours[..])).map_err(failed)?;
+        let tensor = TensorRef::from_array_view(([1, 3, height, width], &colors[..])).map_err(failed)?;
         let outputs = self.session.run(ort::inputs![tensor]).map_err(failed)?;
         let (columns, rows) = (width / CELL, height / CELL);
         let output = |name: &str, channels: usize| {
@@ -147,7 +147,7 @@ impl DescriptorMap {
         let mut values = vec![0.0; cells * DENSE_CHANNELS];
         for (cell, descriptor) in values.chunks_exact_mut(DENSE_CHANNELS).enumerate() {
             descriptor.iter_mut().enumerate().for_each(|(c, value)| *value = channels[c * cells + cell]);
-            normalise(descriptor);
+            normalize(descriptor);
         }
         Self { columns, rows, values }
     }
@@ -171,17 +171,17 @@ impl DescriptorMap {
                 descriptor.iter_mut().zip(cell).for_each(|(d, c)| *d += u * v * c);
             }
         }
-        normalise(&mut descriptor);
+        normalize(&mut descriptor);
         descriptor
     }
 }
 
-fn normalise(descriptor: &mut [f32]) {
+fn normalize(descriptor: &mut [f32]) {
     let norm = descriptor.iter().map(|d| d * d).sum::<f32>().sqrt().max(1e-12);
     descriptor.iter_mut().for_each(|d| *d /= norm);
 }
 
-/// Score of each pixel of the input: the softmax over the 64 pixels of its cell and "no key-point", times the cell's
+/// Score of each pixel of the input: the softmax over the 64 pixels of its cell and "no keypoint", times the cell's
 /// reliability; 0 below the least score.
 fn scores(logits: &[f32], reliability: &[f32], columns: usize, rows: usize) -> Vec<f32> {
     let (cells, width) = (columns * rows, columns * CELL);

@@ -1,4 +1,4 @@
-//! What can keep a network from running, with the way out.
+//! Reasons why a network cannot run, and what to do about them.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ pub enum Error {
     /// The library is nowhere.
     #[error(
         "ONNX Runtime (libonnxruntime.so, 1.24 or newer) was found neither beside the program nor in {}. Install it with\n  \
-         {INSTALL}\nor give it with --onnxruntime FILE; without it --set features.selection=response works",
+         {INSTALL}\nor pass --onnxruntime FILE; without it, use --set features.selection=response",
         folders.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", ")
     )]
     NoLibrary {
@@ -21,8 +21,8 @@ pub enum Error {
     },
     /// The library is there but cannot be used.
     #[error(
-        "{}: is no usable ONNX Runtime: {reason}; expected version 1.24 or newer. Install it with\n  {INSTALL}\n\
-         or give another with --onnxruntime FILE; without it --set features.selection=response works",
+        "{}: not a usable ONNX Runtime: {reason}; expected version 1.24 or newer. Install it with\n  {INSTALL}\n\
+         or pass another library with --onnxruntime FILE; without it, use --set features.selection=response",
         path.display()
     )]
     BadLibrary {
@@ -31,7 +31,7 @@ pub enum Error {
         /// What the loader says.
         reason: String,
     },
-    /// The model is no ONNX model, or uses operators that are not there.
+    /// Not an ONNX model, or one with unknown operators.
     #[error("cannot be used as a model: {0}")]
     BadModel(String),
     /// The model has other inputs or outputs.

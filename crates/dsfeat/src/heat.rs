@@ -1,4 +1,4 @@
-//! Activation as colours over the image.
+//! Activation as colors over the image.
 
 use features::ActivationMap;
 use geometry::{GrayImage, Raster};
@@ -6,7 +6,7 @@ use geometry::{GrayImage, Raster};
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];
 
-/// Colours of activation 0, 1/4, 1/2, 3/4 and 1.
+/// Colors of activation 0, 1/4, 1/2, 3/4 and 1.
 const SCALE: [[f32; 3]; 5] = [
     [40.0, 60.0, 220.0],
     [30.0, 170.0, 220.0],
@@ -14,7 +14,7 @@ const SCALE: [[f32; 3]; 5] = [
     [240.0, 200.0, 40.0],
     [220.0, 50.0, 30.0],
 ];
-/// Share of the colour; the rest is the image.
+/// Share of the color; the rest is the image.
 const OPACITY: f32 = 0.55;
 
 /// The image under its activation: blue for 0 over green to red for 1.
@@ -23,16 +23,16 @@ pub fn heat_map(image: &GrayImage, map: &ActivationMap) -> Raster<Rgb> {
     let mut picture = Raster::new(image.width, image.height, [0; 3]);
     for y in 0..image.height {
         for (x, pixel) in picture.row_mut(y).iter_mut().enumerate() {
-            let grey = f32::from(image.at(x, y));
-            let colour = colour(map.at(x as f32, y as f32));
-            *pixel = colour.map(|c| (c * OPACITY + grey * (1.0 - OPACITY)).round() as u8);
+            let gray = f32::from(image.at(x, y));
+            let color = color(map.at(x as f32, y as f32));
+            *pixel = color.map(|c| (c * OPACITY + gray * (1.0 - OPACITY)).round() as u8);
         }
     }
     picture
 }
 
-/// The colour of an activation from 0 to 1.
-fn colour(activation: f32) -> [f32; 3] {
+/// The color of an activation from 0 to 1.
+fn color(activation: f32) -> [f32; 3] {
     let position = activation.clamp(0.0, 1.0) * (SCALE.len() - 1) as f32;
     let first = (position as usize).min(SCALE.len() - 2);
     let t = position - first as f32;
@@ -51,6 +51,6 @@ mod tests {
         assert_eq!((picture.width, picture.height), (10, 4));
         let ([low_red, _, low_blue], [high_red, _, high_blue]) = (picture.at(0, 2), picture.at(9, 2));
         assert!(low_blue > low_red && high_red > high_blue);
-        assert_eq!(colour(0.5), SCALE[2]);
+        assert_eq!(color(0.5), SCALE[2]);
     }
 }

@@ -1,8 +1,8 @@
-//! The activation network: which places of an image belong to the static, distinctive scene (DSFeat, Tian et al.).
+//! The activation network: rates how likely each image location belongs to the static, distinctive scene (DSFeat, Tian et al.).
 //!
-//! [`Network`] runs an ONNX model on a grey image and returns a [`features::ActivationMap`]; [`Model`] names the models
-//! that are part of the program. Only this crate uses ONNX Runtime, which is loaded when a network is: `library.rs` says
-//! where it is looked for. `training/` beside `src/` trains the models.
+//! [`Network`] runs an ONNX model on a gray image and returns a [`features::ActivationMap`]; [`Model`] names the
+//! built-in models. Only this crate uses ONNX Runtime, which is loaded when a network is: `library.rs` says where it
+//! is looked for. `training/` beside `src/` trains the models.
 
 mod dense;
 mod error;

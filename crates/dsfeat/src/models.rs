@@ -1,4 +1,4 @@
-//! The models that are part of the program; `models/README.md` says how they were trained.
+//! The built-in models; `models/README.md` says how they were trained.
 
 /// A model of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -26,7 +26,7 @@ pub struct Network {
 }
 
 impl Network {
-    /// Loads an ONNX model: one input of shape 1 x 1 x height x width for a grey image of 0 to 1, one output of shape
+    /// Loads an ONNX model: one input of shape 1 x 1 x height x width for a gray image of 0 to 1, one output of shape
     /// 1 x 1 x rows x columns. `library` is the file of ONNX Runtime, by default the first one found; the first network of
     /// the process decides. `threads` is the number of threads of a run, at least 1.
     ///
@@ -55,7 +55,7 @@ impl Network {
     /// proportions.
     ///
     /// # Errors
-    /// An empty image, a failure of ONNX Runtime, or an output that is no map.
+    /// An empty image, a failure of ONNX Runtime, or an output that is not a map.
     pub fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, Error> {
         if image.data.is_empty() {
             return Err(Error::Failed("the image is empty".into()));
@@ -71,9 +71,7 @@ impl Network {
             _ => None,
         };
         map.and_then(|map| ActivationMap::new(map, image.width, image.height)).ok_or_else(|| {
-            Error::Failed(format!(
-                "its output of shape {shape:?} is no map of numbers, expected 1 x 1 x rows x columns"
-            ))
+            Error::Failed(format!("its output has shape {shape:?}, expected 1 x 1 x rows x columns"))
         })
     }
 }

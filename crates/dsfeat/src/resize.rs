@@ -1,4 +1,4 @@
-//! Grey images at the size of a network's input: averages over areas where it gets smaller, bilinear where it gets larger.
+//! Gray images at the size of a network's input: averages over areas where it gets smaller, bilinear where it gets larger.
 
 use geometry::GrayImage;
 
@@ -71,7 +71,7 @@ impl Axis {
         first
     }
 
-    /// Weights of the two source pixels around the centre of the target pixel; returns the first.
+    /// Weights of the two source pixels around the center of the target pixel; returns the first.
     fn line(&mut self, i: usize, ratio: f64) -> usize {
         let last = self.from - 1;
         let position = ((i as f64 + 0.5) * ratio - 0.5).clamp(0.0, last as f64);

@@ -46,7 +46,7 @@ fn the_map_is_what_the_model_computes_of_the_image() {
         let expected = sum / (SIDE * SIDE) as f32 / 255.0;
         assert!((map.values().at(column, row) - expected).abs() < 1e-5, "{column}, {row}");
         let (x, y) = ((SIDE * column) as f32 + 1.5, (SIDE * row) as f32 + 1.5);
-        assert!((map.at(x, y) - expected).abs() < 1e-5, "sampled at the centre of the square");
+        assert!((map.at(x, y) - expected).abs() < 1e-5, "sampled at the center of the square");
     }
 }
 

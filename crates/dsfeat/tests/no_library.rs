@@ -15,7 +15,7 @@ fn refused(file: &Path) -> String {
 #[test]
 fn a_file_that_is_no_onnx_runtime_is_named() {
     let missing = Path::new("/does/not/exist.so");
-    assert!(refused(missing).starts_with("/does/not/exist.so: is no usable ONNX Runtime: No such file"));
+    assert!(refused(missing).starts_with("/does/not/exist.so: not a usable ONNX Runtime: No such file"));
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     let text = refused(&manifest);
     assert!(text.starts_with(&manifest.display().to_string()), "{text}");

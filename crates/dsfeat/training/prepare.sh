@@ -1,7 +1,7 @@
 #!/bin/sh
-# Renders the towns, decodes all data sets and computes triplets and motion labels into $DSFEAT_CACHE. Finished parts are skipped.
+# Renders the towns, decodes all datasets and computes triplets and motion labels into $DSFEAT_CACHE. Finished parts are skipped.
 # Usage: DSFEAT_TRAINING=... DSSLAM_DATA=... DSFEAT_TOWNS=... DSFEAT_CACHE=... ./prepare.sh WEIGHTS
-# FRAMES=30 renders at most so many frames of each town: a quick trial of all steps.
+# FRAMES=30 renders at most that many frames of each town: a quick trial of all steps.
 set -eu
 weights=$1
 python=${PYTHON:-python}

@@ -1,4 +1,4 @@
-//! Lays the true path onto the map: the map stays where it is, so that nothing but the true path has to be sent anew.
+//! Lays the true path onto the map: the map stays where it is, so that nothing but the true path has to be sent again.
 
 use geometry::{SO3, Sim3, Vec3, align_umeyama};
 
@@ -9,7 +9,7 @@ pub struct Alignment {
 }
 
 impl Alignment {
-    /// The best one for pairs (true position, position in the map), metres; scale only where the map's is free. With fewer
+    /// The best one for pairs (true position, position in the map), meters; scale only where the map's is free. With fewer
     /// than three pairs the first ones are laid on each other. `None` without a pair.
     pub fn of(pairs: &[(Vec3, Vec3)], with_scale: bool) -> Option<Self> {
         let (truth, found): (Vec<Vec3>, Vec<Vec3>) = pairs.iter().copied().unzip();
@@ -23,8 +23,8 @@ impl Alignment {
         self.map_from_truth * *truth
     }
 
-    /// The map's unit of length, metres; 1 where it is not free.
-    pub fn metres_per_unit(&self) -> f64 {
+    /// The map's unit of length, meters; 1 where it is not free.
+    pub fn meters_per_unit(&self) -> f64 {
         1.0 / self.map_from_truth.scale
     }
 }

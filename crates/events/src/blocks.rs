@@ -1,4 +1,4 @@
-//! How a scene is divided, so that a change makes little to be sent anew.
+//! How a scene is divided, so that a change causes little to be sent again.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ pub const KEYFRAMES_PER_BLOCK: u32 = 64;
 /// Frames, by number, whose path is drawn together.
 pub const PATH_PER_BLOCK: u32 = 64;
 
-/// Blocks that have to be drawn anew.
+/// Blocks that have to be redrawn.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Dirty {
     /// Of points.

@@ -1,4 +1,4 @@
-//! Makes changes of the map out of snapshots, against what was told last: what nobody can see is not told.
+//! Turns snapshots of the map into changes since the last record; what a viewer cannot show is omitted.
 
 use map::{Keyframe, KeyframeId, Map, MapPoint};
 
@@ -140,7 +140,7 @@ impl DeltaTracker {
             id: point.id.0,
             position: [point.position.x as f32, point.position.y as f32, point.position.z as f32],
             born: known.or_else(|| Some(heir()?.frame.index)).unwrap_or(0),
-            activation: quantised(if n == 0 { 1.0 } else { sum / f64::from(n) }),
+            activation: quantized(if n == 0 { 1.0 } else { sum / f64::from(n) }),
         }
     }
 
@@ -161,11 +161,11 @@ impl DeltaTracker {
 }
 
 /// A share of 0 to 1 as 0 to 255.
-fn quantised(share: f64) -> u8 {
+fn quantized(share: f64) -> u8 {
     (share.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// How far a point may be from where it was told to be, metres.
+/// How far a point may be from where it was told to be, meters.
 fn tolerance_m(map: &Map, point: &MapPoint, moved_share: f64) -> f64 {
     let distance = map.keyframe(point.reference).map_or(0.0, |k| (point.position - k.center()).norm());
     moved_share * distance

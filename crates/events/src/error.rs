@@ -10,7 +10,7 @@ use crate::VERSION;
 #[derive(Debug, Error)]
 pub enum ReadError {
     /// It does not begin like an event stream.
-    #[error("this is no event stream: it does not begin with DSEVENTS")]
+    #[error("not an event stream: it does not begin with DSEVENTS")]
     NotAStream,
     /// It was written by another version of the program.
     #[error(

@@ -73,7 +73,7 @@ pub(crate) fn decode(payload: &[u8], checksum: u32, at: u64) -> Result<Record, R
     record.map_err(|error| damaged(error.to_string()))
 }
 
-/// Unpacks a body, at most [`MAX_PAYLOAD`] bytes: what is longer is cut there and then is no record.
+/// Unpacks a body, at most [`MAX_PAYLOAD`] bytes: anything longer is cut there and is then not a record.
 fn unpack(body: &[u8]) -> std::io::Result<Vec<u8>> {
     let mut plain = Vec::new();
     zstd::stream::Decoder::with_buffer(body)?.take(MAX_PAYLOAD as u64).read_to_end(&mut plain)?;

@@ -1,8 +1,9 @@
-//! The event stream of a run: what a viewer needs to show it, while it goes on or later from `events.dslog`.
+//! The event stream of a run: what a viewer needs to show it, live or later from `events.dslog`.
 //!
 //! [`Record`]s are written by [`StreamWriter`] and read by [`StreamReader`]; the format is described in `format.rs`. The map
-//! comes as changes ([`MapDelta`]), which a [`DeltaTracker`] makes out of snapshots. A [`Scene`] adds records up and says which
-//! blocks of it have to be drawn anew, so that a viewer sends little. Nothing here draws, and nothing here is read back by a run.
+//! comes as changes ([`MapDelta`]), which a [`DeltaTracker`] makes out of snapshots. A [`Scene`] accumulates records
+//! and reports which of its blocks have to be redrawn, so that a viewer sends little. Nothing here draws, and nothing
+//! here is read back by a run.
 
 mod align;
 mod blocks;

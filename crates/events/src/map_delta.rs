@@ -36,7 +36,7 @@ impl MapDelta {
 pub struct PointUpdate {
     /// Its id.
     pub id: u32,
-    /// Position, metres, in the coordinates of its sub-map.
+    /// Position, meters, in the coordinates of its sub-map.
     pub position: [f32; 3],
     /// Number of the frame that was the newest keyframe when the point was made: its age.
     pub born: u32,

@@ -3,12 +3,12 @@
 use geometry::{Quaternion, SE3, SO3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// A rigid motion: unit quaternion `x y z w` and translation in metres.
+/// A rigid motion: unit quaternion `x y z w` and translation in meters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Rotation.
     pub rotation_xyzw: [f64; 4],
-    /// Translation, metres.
+    /// Translation, meters.
     pub translation: [f64; 3],
 }
 

@@ -27,7 +27,7 @@ impl<R: Read> StreamReader<R> {
     /// Reads the header.
     ///
     /// # Errors
-    /// A source that is no stream, or one of another version.
+    /// A source that is not a stream, or has another version.
     pub fn new(mut source: R) -> Result<Self, ReadError> {
         let mut header = [0; HEADER];
         let n = fill(&mut source, &mut header)?;

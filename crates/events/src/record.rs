@@ -47,7 +47,7 @@ pub struct Start {
     pub camera: Camera,
     /// Frames to come.
     pub n_frames: u32,
-    /// True positions of the left camera in a frame of their own, in order of the frames; frames without one are left out.
+    /// True positions of the left camera in a frame of their own, in order of the frames; frames without one are skipped.
     pub truth: Vec<TruePosition>,
 }
 
@@ -67,11 +67,11 @@ pub struct Camera {
 pub struct TruePosition {
     /// Number of the frame.
     pub frame: u32,
-    /// Position, metres.
+    /// Position, meters.
     pub position: [f64; 3],
 }
 
-/// What became of a frame.
+/// Outcome of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FrameState {
     /// There was no map yet.
@@ -116,7 +116,7 @@ pub struct FrameRecord {
     pub index: u32,
     /// Time, seconds.
     pub timestamp_s: f64,
-    /// What became of it.
+    /// Its outcome.
     pub state: FrameState,
     /// Why it has no pose; empty if it has one.
     pub reason: String,
@@ -137,7 +137,7 @@ pub struct Counts {
     pub with_depth: u32,
     /// Map points that should be visible.
     pub visible: u32,
-    /// Matches before the last optimisation.
+    /// Matches before the last optimization.
     pub matches: u32,
     /// Inliers after it.
     pub inliers: u32,

@@ -14,7 +14,7 @@ use crate::record::{End, FrameRecord, FrameState, Record, Start};
 pub struct PlacedFrame {
     /// Number of the frame.
     pub index: u32,
-    /// What became of it.
+    /// Its outcome.
     pub state: FrameState,
     /// Its pose in the map as it is known now; `None` without a pose of its own.
     pub world_from_cam: Option<SE3>,
@@ -92,7 +92,7 @@ impl Scene {
         self.keyframes.range(range(block, KEYFRAMES_PER_BLOCK)).map(|(_, keyframe)| keyframe)
     }
 
-    /// Ends of the edges from the keyframes of a block to older ones, camera centres in metres.
+    /// Ends of the edges from the keyframes of a block to older ones, camera centers in meters.
     pub fn edges_in(&self, block: u32, older: impl Fn(&KeyframeUpdate) -> &[u32]) -> Vec<[Vec3; 2]> {
         let mut edges = Vec::new();
         for keyframe in self.keyframes_in(block) {
@@ -144,22 +144,22 @@ impl Scene {
         strips
     }
 
-    /// Distance of each frame with a pose from the truth, metres, by frame.
+    /// Distance of each frame with a pose from the truth, meters, by frame.
     pub fn errors_m(&self, alignment: &Alignment) -> Vec<(u32, f64)> {
-        let unit = alignment.metres_per_unit();
+        let unit = alignment.meters_per_unit();
         self.compared()
             .map(|(f, truth, found)| (f, (alignment.apply(&truth) - found).norm() * unit))
             .collect()
     }
 
-    /// Distance of a frame from the truth, metres; `None` without pose or true position.
+    /// Distance of a frame from the truth, meters; `None` without pose or true position.
     pub fn error_m(&self, alignment: &Alignment, frame: u32) -> Option<f64> {
         let found = self.frames.get(&frame)?.world_from_cam.as_ref()?.translation;
         let truth = alignment.apply(self.truth.get(&frame)?);
-        Some((truth - found).norm() * alignment.metres_per_unit())
+        Some((truth - found).norm() * alignment.meters_per_unit())
     }
 
-    /// What has to be drawn anew since the last call.
+    /// What has to be redrawn since the last call.
     pub fn take_dirty(&mut self) -> Dirty {
         std::mem::take(&mut self.dirty)
     }
@@ -287,7 +287,7 @@ fn range(block: u32, size: u32) -> std::ops::Range<u32> {
     first..first.saturating_add(size)
 }
 
-/// Camera centre of a keyframe, metres.
+/// Camera center of a keyframe, meters.
 fn center(keyframe: &KeyframeUpdate) -> Vec3 {
     SE3::from(&keyframe.cam_from_world).center()
 }

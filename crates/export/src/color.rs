@@ -1,10 +1,10 @@
-//! Colours of the points.
+//! Colors of the points.
 
 use draw::{Color, gradient};
 
 use crate::scene::Scene;
 
-/// What the colour of a point tells where there are no images.
+/// What the color of a point tells where there are no images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tint {
     /// When it was made: dark at the beginning of the map, bright at its end.
@@ -14,7 +14,7 @@ pub enum Tint {
 }
 
 impl Tint {
-    /// A colour per point of the scene.
+    /// A color per point of the scene.
     #[must_use]
     pub fn colors(self, scene: &Scene) -> Vec<Color> {
         let amounts: Vec<f64> = match self {

@@ -20,7 +20,7 @@ pub enum ExportError {
     /// A keyframe is not one of the sequence's frames.
     #[error(
         "{}: found no frame at {timestamp_s} s, the time of keyframe {keyframe} (frame {frame}): \
-         the map was made from another sequence",
+         the map was built from another sequence",
         sequence.display()
     )]
     ForeignKeyframe {

@@ -1,4 +1,4 @@
-//! The images of the keyframes: found in the sequence, redrawn where the lens or the rig asks for it, and the colours of the points in
+//! The images of the keyframes: found in the sequence, redrawn where the lens or the rig asks for it, and the colors of the points in
 //! them.
 
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ impl SceneImages {
         self.tables.iter().any(Option::is_some)
     }
 
-    /// Writes the images into a folder that exists, under the names of the views, and returns the colour of each point of the scene:
+    /// Writes the images into a folder that exists, under the names of the views, and returns the color of each point of the scene:
     /// the mean over its observations. Images that need no change and are PNG are copied byte by byte.
     ///
     /// # Errors
@@ -70,7 +70,7 @@ impl SceneImages {
         })
     }
 
-    /// The colour of each point of the scene; nothing is written.
+    /// The color of each point of the scene; nothing is written.
     ///
     /// # Errors
     /// The first image, in order of the views, that cannot be read or has another size than the camera.
@@ -155,7 +155,7 @@ fn redrawn(image: &Rgb, table: &RemapTable) -> Rgb {
     Rgb { width, height, data }
 }
 
-/// Grey images stay grey, which is a third of the size.
+/// Gray images stay gray, which is a third of the size.
 fn save(path: &Path, image: &Rgb) -> Result<(), io::FileError> {
     if image.data.iter().all(|[r, g, b]| r == g && g == b) {
         let data = image.data.iter().map(|pixel| pixel[0]).collect();
@@ -165,7 +165,7 @@ fn save(path: &Path, image: &Rgb) -> Result<(), io::FileError> {
     }
 }
 
-/// The colour of the nearest pixel; that at the edge for a place outside.
+/// The color of the nearest pixel; that at the edge for a place outside.
 fn sample(image: &Rgb, pixel: &Vec2) -> Color {
     let place = |value: f64, n: usize| (value.round().max(0.0) as usize).min(n.saturating_sub(1));
     image.at(place(pixel.x, image.width), place(pixel.y, image.height))

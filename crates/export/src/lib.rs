@@ -1,7 +1,7 @@
 //! Maps for other programs: points as PLY, models for COLMAP and nerfstudio with their images, trajectories of the keyframes.
 //!
 //! A [`Scene`] is what is exported of a map: one sub-map as plain numbers. [`Scene::of`] takes it out of the map,
-//! [`SceneImages`] adds images and the colours of the points, and the writers put it into files. Start reading at [`Scene`].
+//! [`SceneImages`] adds images and the colors of the points, and the writers put it into files. Start reading at [`Scene`].
 
 mod colmap;
 mod color;

@@ -24,15 +24,15 @@ impl PlyFrame {
     }
 }
 
-/// The bytes of a PLY file: position in metres (32-bit), colour, number of observations, error in pixels.
+/// The bytes of a PLY file: position in meters (32-bit), color, number of observations, error in pixels.
 ///
 /// # Panics
-/// When the number of colours is not that of the points.
+/// When the number of colors is not that of the points.
 #[must_use]
 pub fn ply(scene: &Scene, colors: &[Color], axes: PlyFrame) -> Vec<u8> {
-    assert_eq!(scene.points.len(), colors.len(), "a colour per point");
+    assert_eq!(scene.points.len(), colors.len(), "a color per point");
     let header = format!(
-        "ply\nformat binary_little_endian 1.0\ncomment DSSLAM, metres\nelement vertex {}\n\
+        "ply\nformat binary_little_endian 1.0\ncomment DSSLAM, meters\nelement vertex {}\n\
          property float x\nproperty float y\nproperty float z\n\
          property uchar red\nproperty uchar green\nproperty uchar blue\n\
          property ushort observations\nproperty float error_px\nend_header\n",

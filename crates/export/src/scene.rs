@@ -29,7 +29,7 @@ pub struct Scene {
 /// A pinhole camera without distortion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Focal lengths and principal point, pixels; (0, 0) is the centre of the upper left pixel.
+    /// Focal lengths and principal point, pixels; (0, 0) is the center of the upper left pixel.
     pub pinhole: Pinhole,
     /// Image width, pixels.
     pub width: usize,
@@ -52,7 +52,7 @@ pub struct View {
     pub name: String,
     /// Index of its camera.
     pub camera: usize,
-    /// Pose of the left camera, metres.
+    /// Pose of the left camera, meters.
     pub cam_from_world: SE3,
     /// Its features, undistorted pixels.
     pub pixels: Vec<Vec2>,
@@ -65,7 +65,7 @@ pub struct View {
 pub struct Point {
     /// Its id in the map.
     pub id: u32,
-    /// Position in the world, metres.
+    /// Position in the world, meters.
     pub position: Vec3,
     /// The keyframe that was newest when it was made.
     pub created_by: u32,

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, UnitQuaternion};
 
-/// Two numbers, most often a pixel or a normalised image point.
+/// Two numbers, most often a pixel or a normalized image point.
 pub type Vec2 = SVector<f64, 2>;
 /// Three numbers, most often a point or a direction.
 pub type Vec3 = SVector<f64, 3>;

@@ -4,7 +4,7 @@ use crate::aliases::{Mat2, Vec2};
 use crate::polynomial::first_sign_change;
 use serde::{Deserialize, Serialize};
 
-/// Coefficients of the distortion of normalised image points `(x, y) = (X / Z, Y / Z)`; all zero means none.
+/// Coefficients of the distortion of normalized image points `(x, y) = (X / Z, Y / Z)`; all zero means none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Distortion {
     /// Radial, second order.
@@ -26,7 +26,7 @@ impl Distortion {
         *self == Self::default()
     }
 
-    /// The distorted place of an ideal normalised point.
+    /// The distorted place of an ideal normalized point.
     #[must_use]
     pub fn distort(&self, ideal: &Vec2) -> Vec2 {
         let (x, y) = (ideal.x, ideal.y);
@@ -55,9 +55,9 @@ impl Distortion {
         )
     }
 
-    /// The radius of ideal normalised points up to which the radial part grows, so that it can be inverted.
+    /// The radius of ideal normalized points up to which the radial part grows, so that it can be inverted.
     ///
-    /// Beyond it, the image of a point turns back towards the centre. At most 1000, where every image has ended.
+    /// Beyond it, the image of a point turns back towards the center. At most 1000, where every image has ended.
     #[must_use]
     pub fn max_radius(&self) -> f64 {
         const END: f64 = 1000.0;
@@ -65,7 +65,7 @@ impl Distortion {
         first_sign_change(&derivative, END * END).map_or(END, f64::sqrt)
     }
 
-    /// The ideal normalised point of a distorted one, by Newton's method with step halving, to rounding precision.
+    /// The ideal normalized point of a distorted one, by Newton's method with step halving, to rounding precision.
     ///
     /// Beyond the radius where the model folds back there is no inverse; then the closest point reached is returned.
     #[must_use]

@@ -40,19 +40,19 @@ pub struct CheiralityChoice {
     pub n_second_best: usize,
 }
 
-/// The motion `b_from_a` (translation of length one) that puts most of the normalised point pairs in front of both cameras.
+/// The motion `b_from_a` (translation of length one) that puts most of the normalized point pairs in front of both cameras.
 ///
 /// `None` when the essential matrix cannot be decomposed or no motion has a point in front; ties go to the earlier motion.
 #[must_use]
 pub fn pose_from_essential(
     essential: &Mat3,
-    normalised_a: &[Vec2],
-    normalised_b: &[Vec2],
+    normalized_a: &[Vec2],
+    normalized_b: &[Vec2],
 ) -> Option<CheiralityChoice> {
     let motions = decompose_essential(essential)?;
     let counts = motions.map(|b_from_a| {
         let views = [SE3::identity(), b_from_a];
-        let pairs = normalised_a.iter().zip(normalised_b);
+        let pairs = normalized_a.iter().zip(normalized_b);
         pairs.filter(|(a, b)| triangulate(&views, &[**a, **b]).is_some()).count()
     });
     let mut order = [0, 1, 2, 3];

@@ -1,4 +1,4 @@
-//! The fundamental matrix of two views by the normalised eight-point algorithm (Hartley 1997).
+//! The fundamental matrix of two views by the normalized eight-point algorithm (Hartley 1997).
 //!
 //! `F` maps a pixel of view `a` to its epipolar line in view `b`: `[pixel_b; 1]^T F [pixel_a; 1] = 0`.
 
@@ -21,12 +21,12 @@ pub fn estimate_fundamental(pixels_a: &[Vec2], pixels_b: &[Vec2], weights: Optio
     if n < 8 || pixels_b.len() != n || weights.is_some_and(|w| w.len() != n || w.iter().any(|&v| v < 0.0)) {
         return None;
     }
-    let (normalise_a, normalise_b) = (normalisation(pixels_a)?, normalisation(pixels_b)?);
+    let (normalize_a, normalize_b) = (normalization(pixels_a)?, normalization(pixels_b)?);
     // Nine rows at least, so that the triangular factor is square.
     let mut system = OMatrix::<f64, nalgebra::Dyn, U9>::zeros(n.max(9));
     for i in 0..n {
-        let a = normalise_a * pixels_a[i].push(1.0);
-        let b = normalise_b * pixels_b[i].push(1.0);
+        let a = normalize_a * pixels_a[i].push(1.0);
+        let b = normalize_b * pixels_b[i].push(1.0);
         let weight = weights.map_or(1.0, |w| w[i].sqrt());
         let row = [b.x * a.x, b.x * a.y, b.x, b.y * a.x, b.y * a.y, b.y, a.x, a.y, 1.0];
         system.set_row(i, &(RowSVector::<f64, 9>::from_row_slice(&row) * weight));
@@ -36,12 +36,12 @@ pub fn estimate_fundamental(pixels_a: &[Vec2], pixels_b: &[Vec2], weights: Optio
         return None;
     }
     let full_rank = Mat3::from_row_slice(svd.null_vector().as_slice());
-    let f = normalise_b.transpose() * with_rank_two(&full_rank)? * normalise_a;
+    let f = normalize_b.transpose() * with_rank_two(&full_rank)? * normalize_a;
     let norm = f.norm();
     (norm.is_finite() && norm > 0.0).then(|| f / norm)
 }
 
-/// The fundamental matrix of two calibrated cameras, not normalised.
+/// The fundamental matrix of two calibrated cameras, not normalized.
 #[must_use]
 pub fn fundamental_from_poses(camera_a: &Pinhole, camera_b: &Pinhole, b_from_a: &SE3) -> Mat3 {
     let essential = SO3::hat(&b_from_a.translation) * b_from_a.rotation.matrix();
@@ -63,7 +63,7 @@ pub fn sampson_error_sq(fundamental: &Mat3, pixel_a: &Vec2, pixel_b: &Vec2) -> f
 }
 
 /// Moves the centroid to zero and the mean distance from it to the square root of two.
-pub(crate) fn normalisation(pixels: &[Vec2]) -> Option<Mat3> {
+pub(crate) fn normalization(pixels: &[Vec2]) -> Option<Mat3> {
     let n = pixels.len() as f64;
     let centroid = pixels.iter().sum::<Vec2>() / n;
     let mean_distance = pixels.iter().map(|p| (p - centroid).norm()).sum::<f64>() / n;

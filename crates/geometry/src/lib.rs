@@ -1,7 +1,7 @@
 //! Poses, cameras, minimal solvers and weighted RANSAC: pure mathematics.
 //!
 //! Start reading at [`SE3`] (poses), [`StereoRig`] (the camera model of every frame) and [`ransac`] (robust estimation).
-//! Lengths are metres, angles radians, pixel coordinates count from the centre of the upper left pixel, and cameras look
+//! Lengths are meters, angles radians, pixel coordinates count from the center of the upper left pixel, and cameras look
 //! along +z with x to the right and y down. `a_from_b` maps coordinates of frame `b` into frame `a`.
 
 mod aliases;

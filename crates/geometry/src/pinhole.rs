@@ -32,7 +32,7 @@ impl Pinhole {
         Vec3::new((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy, 1.0)
     }
 
-    /// The derivative of [`Pinhole::project`] by the point: 2 by 3, pixels per metre.
+    /// The derivative of [`Pinhole::project`] by the point: 2 by 3, pixels per meter.
     #[inline]
     #[must_use]
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
@@ -48,7 +48,7 @@ impl Pinhole {
         Mat3::new(self.fx, 0.0, self.cx, 0.0, self.fy, self.cy, 0.0, 0.0, 1.0)
     }
 
-    /// The camera of an image that was resized by `factor` (0.5: half width and height), pixel centres kept in place.
+    /// The camera of an image that was resized by `factor` (0.5: half width and height), pixel centers kept in place.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         self.resized([factor, factor])

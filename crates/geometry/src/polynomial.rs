@@ -3,7 +3,7 @@
 /// The smallest root between zero and `end` at which the polynomial `c[0] + c[1] x + c[2] x^2 + ...`, positive at zero, turns
 /// negative; `None` when it does not.
 ///
-/// Between two neighbouring roots of its derivative a polynomial is monotone, so that halving finds its only root there.
+/// Between two neighboring roots of its derivative a polynomial is monotone, so that halving finds its only root there.
 pub(crate) fn first_sign_change(coefficients: &[f64], end: f64) -> Option<f64> {
     let mut start = 0.0;
     for stop in roots_of_derivative(coefficients, end).into_iter().chain([end]) {
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn the_first_change_of_sign_is_found() {
-        // (1 - x)(2 - x)(3 - x) and (1 - x / 4)^2 (2 - x): a double root is no change of sign.
+        // (1 - x)(2 - x)(3 - x) and (1 - x / 4)^2 (2 - x): a double root does not change the sign.
         let cases: [(&[f64], f64, Option<f64>); 5] = [
             (&[6.0, -11.0, 6.0, -1.0], 10.0, Some(1.0)),
             (&[6.0, -11.0, 6.0, -1.0], 0.9, None),

@@ -87,7 +87,7 @@ pub fn ransac<E: Estimator>(
         for model in estimator.fit(sampler.draw(&mut generator)) {
             let bar = best.as_ref().map_or(0.0, |b| b.score);
             if let Some(found) = scorer.better(model, bar) {
-                let found = scorer.locally_optimised(found);
+                let found = scorer.locally_optimized(found);
                 let good_sample = good_sample_probability(&weights, &found.inliers, options.sample_size);
                 needed = samples_needed(good_sample, options.confidence).min(options.max_iterations);
                 best = Some(found);
@@ -134,7 +134,7 @@ impl<'a, E: Estimator> Scorer<'a, E> {
     }
 
     /// Refits to the inliers as long as that raises the score.
-    fn locally_optimised(&self, start: Consensus<E::Model>) -> Consensus<E::Model> {
+    fn locally_optimized(&self, start: Consensus<E::Model>) -> Consensus<E::Model> {
         const MAX_ROUNDS: usize = 4;
         let mut best = start;
         for _ in 0..MAX_ROUNDS {

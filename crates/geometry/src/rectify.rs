@@ -25,25 +25,25 @@ pub struct StereoRectification {
     pub rectified_from_left: SO3,
     /// The turn of the right camera.
     pub rectified_from_right: SO3,
-    /// The rectified pair: one camera for both images, and the baseline in metres.
+    /// The rectified pair: one camera for both images, and the baseline in meters.
     pub rig: StereoRig,
 }
 
 /// Why two cameras are not rectified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RectificationError {
-    /// Both cameras have one centre, or a number is not finite.
+    /// Both cameras have one center, or a number is not finite.
     NoBaseline,
     /// The second camera is above or below the first.
     Vertical {
-        /// Right camera centre in left coordinates after the turn by half, metres.
+        /// Right camera center in left coordinates after the turn by half, meters.
         x_m: f64,
-        /// The larger component, metres.
+        /// The larger component, meters.
         y_m: f64,
     },
     /// The second camera is to the left of the first.
     Swapped {
-        /// Distance to the left, metres.
+        /// Distance to the left, meters.
         left_by_m: f64,
     },
     /// The turned cameras share no field of view.
@@ -66,9 +66,9 @@ impl fmt::Display for RectificationError {
                     "found the second camera {left_by_m:.4} m to the left of the first, expected it to the right"
                 )
             }
-            Self::NoCommonView => {
-                f.write_str("found cameras that look apart, expected a common field of view")
-            }
+            Self::NoCommonView => f.write_str(
+                "found cameras that look in different directions, expected a common field of view",
+            ),
         }
     }
 }
@@ -111,14 +111,14 @@ fn filled_view(
 ) -> Result<Pinhole, RectificationError> {
     let n_views = views.len() as f64;
     let focal = views.iter().map(|(model, _)| model.pinhole().fy).sum::<f64>() / n_views;
-    // The mean of the corners comes to the middle of the image; one centre for all makes the disparity of infinity zero.
+    // The mean of the corners comes to the middle of the image; one center for all makes the disparity of infinity zero.
     let size = Vec2::new(width as f64, height as f64);
     let last = size.add_scalar(-1.0);
     let corners =
         [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| Vec2::new(x * last.x, y * last.y));
     let mut center = Vec2::zeros();
     for (model, turn) in views {
-        let mean = corners.map(|corner| normalised(model, turn, &corner)).iter().sum::<Vec2>() / 4.0;
+        let mean = corners.map(|corner| normalized(model, turn, &corner)).iter().sum::<Vec2>() / 4.0;
         center += (last * 0.5 - mean * focal) / n_views;
     }
     let mut scale = 0.0;
@@ -153,7 +153,7 @@ fn turns(right_from_left: &SE3) -> Result<(SO3, SO3, f64), RectificationError> {
 }
 
 /// Where a raw pixel lies in the rectified view, `(X / Z, Y / Z)`, kept within the largest field of view.
-fn normalised(model: &CameraModel, turn: &SO3, pixel: &Vec2) -> Vec2 {
+fn normalized(model: &CameraModel, turn: &SO3, pixel: &Vec2) -> Vec2 {
     let ray = *turn * model.unproject(pixel);
     // What lies behind is far outside.
     let scale = 1.0 / ray.z.max(1e-9);
@@ -165,7 +165,7 @@ fn inner_rectangle(model: &CameraModel, turn: &SO3, size: &Vec2) -> [f64; 4] {
     let mut inner = [f64::NEG_INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY];
     for i in 0..SAMPLES_PER_SIDE {
         let along = i as f64 / (SAMPLES_PER_SIDE - 1) as f64;
-        let at = |x: f64, y: f64| normalised(model, turn, &Vec2::new(x * size.x, y * size.y));
+        let at = |x: f64, y: f64| normalized(model, turn, &Vec2::new(x * size.x, y * size.y));
         inner[0] = inner[0].max(at(0.0, along).x);
         inner[1] = inner[1].max(at(along, 0.0).y);
         inner[2] = inner[2].min(at(1.0, along).x);

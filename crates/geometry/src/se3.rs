@@ -9,15 +9,15 @@ use crate::so3::SO3;
 use serde::{Deserialize, Serialize};
 use std::ops::Mul;
 
-/// The motion `x -> R x + t`; named `a_from_b` when it maps coordinates of frame `b` into frame `a`, in metres.
+/// The motion `x -> R x + t`; named `a_from_b` when it maps coordinates of frame `b` into frame `a`, in meters.
 ///
-/// Serialised as the twelve numbers of [`SE3::rows_3x4`].
+/// Serialized as the twelve numbers of [`SE3::rows_3x4`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "[f64; 12]", into = "[f64; 12]")]
 pub struct SE3 {
     /// The rotation `R`.
     pub rotation: SO3,
-    /// The translation `t` in metres: the origin of the source frame seen from the target frame.
+    /// The translation `t` in meters: the origin of the source frame seen from the target frame.
     pub translation: Vec3,
 }
 
@@ -60,7 +60,7 @@ impl SE3 {
         Self::new(rotation, -(rotation * self.translation))
     }
 
-    /// The origin of the target frame seen from the source frame, `-R^T t`: the camera centre of a `cam_from_world`.
+    /// The origin of the target frame seen from the source frame, `-R^T t`: the camera center of a `cam_from_world`.
     #[inline]
     #[must_use]
     pub fn center(&self) -> Vec3 {

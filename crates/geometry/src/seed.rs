@@ -1,4 +1,4 @@
-//! Seeds for random generators that are made anew for each frame and purpose.
+//! Seeds for random generators that are created afresh for each frame and purpose.
 
 /// Mixes a run's seed, a frame number and a purpose number into a seed whose bits all depend on all three inputs
 /// (the finaliser of SplitMix64, Steele, Lea and Flood 2014, applied once per input).
@@ -26,7 +26,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbouring_inputs_and_swapped_arguments_give_distinct_seeds() {
+    fn neighboring_inputs_and_swapped_arguments_give_distinct_seeds() {
         let mut seen = BTreeSet::new();
         for seed in 0..16 {
             for frame in 0..16 {

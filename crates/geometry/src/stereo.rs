@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 pub struct StereoRig {
     /// Both cameras.
     pub camera: Pinhole,
-    /// Distance of the two centres in metres.
+    /// Distance of the two centers in meters.
     pub baseline_m: f64,
 }
 
 impl StereoRig {
-    /// Focal length times baseline, in pixel metres: disparity times depth.
+    /// Focal length times baseline, in pixel meters: disparity times depth.
     #[inline]
     #[must_use]
     pub fn bf(&self) -> f64 {
@@ -29,28 +29,28 @@ impl StereoRig {
         Vec3::new(pixel.x, pixel.y, pixel.x - self.bf() / point_cam.z)
     }
 
-    /// The point in coordinates of the left camera at pixel `(u, v)` and `depth` metres along z.
+    /// The point in coordinates of the left camera at pixel `(u, v)` and `depth` meters along z.
     #[inline]
     #[must_use]
     pub fn unproject(&self, u: f64, v: f64, depth: f64) -> Vec3 {
         self.camera.unproject(&Vec2::new(u, v)) * depth
     }
 
-    /// Depth in metres of a disparity `u - u_right` in pixels.
+    /// Depth in meters of a disparity `u - u_right` in pixels.
     #[inline]
     #[must_use]
     pub fn depth_from_disparity(&self, disparity_px: f64) -> f64 {
         self.bf() / disparity_px
     }
 
-    /// Disparity `u - u_right` in pixels of a depth in metres.
+    /// Disparity `u - u_right` in pixels of a depth in meters.
     #[inline]
     #[must_use]
     pub fn disparity_from_depth(&self, depth: f64) -> f64 {
         self.bf() / depth
     }
 
-    /// The derivative of [`StereoRig::project`] by the point: 3 by 3, pixels per metre.
+    /// The derivative of [`StereoRig::project`] by the point: 3 by 3, pixels per meter.
     #[inline]
     #[must_use]
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat3 {

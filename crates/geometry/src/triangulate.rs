@@ -8,22 +8,22 @@ use nalgebra::{MatrixXx4, RowVector4};
 /// Below this weight, relative to the unit homogeneous vector in units of the baseline, a point counts as infinitely far.
 const MIN_HOMOGENEOUS_WEIGHT: f64 = 1e-10;
 
-/// The world point seen at the normalised image points `(x, y) = (X / Z, Y / Z)` of two or more views.
+/// The world point seen at the normalized image points `(x, y) = (X / Z, Y / Z)` of two or more views.
 ///
-/// Minimises the algebraic error, which is close to the reprojection error for noise of a few pixels. `None` for fewer than
+/// Minimizes the algebraic error, which is close to the reprojection error for noise of a few pixels. `None` for fewer than
 /// two views, views without a baseline, or a point at infinity. The point may lie behind a camera: see [`triangulate`].
 #[must_use]
-pub fn triangulate_dlt(cams_from_world: &[SE3], normalised: &[Vec2]) -> Option<Vec3> {
-    if cams_from_world.len() != normalised.len() || cams_from_world.len() < 2 {
+pub fn triangulate_dlt(cams_from_world: &[SE3], normalized: &[Vec2]) -> Option<Vec3> {
+    if cams_from_world.len() != normalized.len() || cams_from_world.len() < 2 {
         return None;
     }
-    // The first centre as origin and the baseline as unit make the conditioning independent of the choice of the world.
+    // The first center as origin and the baseline as unit make the conditioning independent of the choice of the world.
     let origin = cams_from_world[0].center();
     let unit = cams_from_world.iter().map(|cam| (cam.center() - origin).norm()).fold(0.0, f64::max);
     if !(unit.is_finite() && unit > 0.0) {
         return None;
     }
-    let rows = |i: usize| equations(&cams_from_world[i], &normalised[i], &origin, unit);
+    let rows = |i: usize| equations(&cams_from_world[i], &normalized[i], &origin, unit);
     let system = if cams_from_world.len() == 2 {
         let ([a, b], [c, d]) = (rows(0), rows(1));
         Mat4::from_rows(&[a, b, c, d])
@@ -41,12 +41,12 @@ pub fn triangulate_dlt(cams_from_world: &[SE3], normalised: &[Vec2]) -> Option<V
 
 /// Like [`triangulate_dlt`], and `None` unless the point lies in front of every camera.
 #[must_use]
-pub fn triangulate(cams_from_world: &[SE3], normalised: &[Vec2]) -> Option<Vec3> {
-    let point = triangulate_dlt(cams_from_world, normalised)?;
+pub fn triangulate(cams_from_world: &[SE3], normalized: &[Vec2]) -> Option<Vec3> {
+    let point = triangulate_dlt(cams_from_world, normalized)?;
     cams_from_world.iter().all(|cam| (cam * point).z > 0.0).then_some(point)
 }
 
-/// The angle in radians under which a point sees two camera centres; all three in one frame.
+/// The angle in radians under which a point sees two camera centers; all three in one frame.
 #[must_use]
 pub fn parallax(point: &Vec3, center_a: &Vec3, center_b: &Vec3) -> f64 {
     angle_between(&(center_a - point), &(center_b - point))
@@ -59,10 +59,10 @@ pub fn angle_between(a: &Vec3, b: &Vec3) -> f64 {
 }
 
 /// The two equations `x P_3 - P_1 = 0`, `y P_3 - P_2 = 0` of one view on the homogeneous point, moved and scaled.
-fn equations(cam_from_world: &SE3, normalised: &Vec2, origin: &Vec3, unit: f64) -> [RowVector4<f64>; 2] {
+fn equations(cam_from_world: &SE3, normalized: &Vec2, origin: &Vec3, unit: f64) -> [RowVector4<f64>; 2] {
     let r = cam_from_world.rotation.matrix();
     let t = (cam_from_world * origin) / unit;
     let row = |i: usize| RowVector4::new(r[(i, 0)], r[(i, 1)], r[(i, 2)], t[i]);
     let depth = row(2);
-    [depth * normalised.x - row(0), depth * normalised.y - row(1)]
+    [depth * normalized.x - row(0), depth * normalized.y - row(1)]
 }

@@ -8,7 +8,7 @@ use crate::svd::RotationSvd;
 /// Second singular value over the first below which the points count as lying on one line.
 const MIN_SPREAD_RATIO: f64 = 1e-9;
 
-/// `dst_from_src`, which minimises `sum_i w_i |dst_i - (s R src_i + t)|^2`; the scale is 1 unless `with_scale`.
+/// `dst_from_src`, which minimizes `sum_i w_i |dst_i - (s R src_i + t)|^2`; the scale is 1 unless `with_scale`.
 ///
 /// Weights default to one. `None` when the lengths differ, fewer than three points have a weight, the points lie on a line (the
 /// rotation is then not determined), or a number is not finite or a weight negative.

@@ -80,14 +80,14 @@ impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
 
     /// An item that must be there: by an invariant of the map or after validation.
     pub(crate) fn live(&self, id: I) -> &T {
-        self.get(id).unwrap_or_else(|| panic!("map is broken: {id} is not there"))
+        self.get(id).unwrap_or_else(|| panic!("map is broken: {id} does not exist"))
     }
 
     /// Write access to an item that must be there; copies it if a snapshot shares it.
     pub(crate) fn live_mut(&mut self, id: I) -> &mut T {
         match self.slot_mut(id) {
             Slot::Live(item) => Arc::make_mut(item),
-            Slot::Forwarded(_) | Slot::Removed => panic!("map is broken: {id} is not there"),
+            Slot::Forwarded(_) | Slot::Removed => panic!("map is broken: {id} does not exist"),
         }
     }
 

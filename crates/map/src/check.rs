@@ -11,7 +11,7 @@ pub use violation::Violation;
 use crate::Map;
 
 impl Map {
-    /// Asserts every invariant, without trust in the bookkeeping of the mutations.
+    /// Asserts every invariant, without relying on the bookkeeping of the mutations.
     ///
     /// # Errors
     /// All violations found, with the ids that they concern, in a fixed order.

@@ -16,7 +16,7 @@ use crate::{KeyframeId, Map, MapError, PointId};
 pub struct Correction {
     /// New poses.
     pub keyframes: Vec<KeyframeCorrection>,
-    /// New positions in the world, metres.
+    /// New positions in the world, meters.
     pub points: Vec<(PointId, Vec3)>,
     /// Revision of the map that the correction was computed on.
     pub seen_revision: u64,
@@ -34,7 +34,7 @@ pub struct Correction {
 pub struct KeyframeCorrection {
     /// The keyframe.
     pub keyframe: KeyframeId,
-    /// Its new pose, metres.
+    /// Its new pose, meters.
     pub cam_from_world: SE3,
     /// New length of what was 1 long around this keyframe; 1 where scale is observed (stereo, depth).
     pub scale: f64,

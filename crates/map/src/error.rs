@@ -59,7 +59,7 @@ pub enum MapError {
         /// The feature that shows it there.
         feature: u32,
     },
-    /// There is no such observation.
+    /// The observation does not exist.
     #[error("point {point} is not observed by keyframe {keyframe}")]
     NotObserved {
         /// The point.

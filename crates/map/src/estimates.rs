@@ -7,7 +7,7 @@ use crate::validate::{find_twice, valid_pose, valid_position};
 use crate::{KeyframeId, Map, MapError, PointId};
 
 impl Map {
-    /// Writes poses (`cam_from_world`) and positions (world), metres; normals and distance ranges follow, also those
+    /// Writes poses (`cam_from_world`) and positions (world), meters; normals and distance ranges follow, also those
     /// of unlisted points that a moved keyframe observes.
     ///
     /// # Errors

@@ -25,7 +25,7 @@ pub struct Batch {
 pub struct NewKeyframe {
     /// Its features.
     pub frame: Arc<Frame>,
-    /// Its pose, metres.
+    /// Its pose, meters.
     pub cam_from_world: SE3,
     /// Features that show points of the map.
     pub matches: Vec<(u32, PointId)>,
@@ -48,7 +48,7 @@ pub enum Parent {
 /// A point to insert.
 #[derive(Clone, Debug)]
 pub struct NewPoint {
-    /// Position in the world, metres.
+    /// Position in the world, meters.
     pub position: Vec3,
     /// At least one observation, in any order, in keyframes of the map or the batch.
     pub observations: Vec<Observation>,

@@ -14,7 +14,7 @@ pub struct Keyframe {
     pub id: KeyframeId,
     /// The features; never change.
     pub frame: Arc<Frame>,
-    /// Pose, metres, `point_cam = cam_from_world * point_world`.
+    /// Pose, meters, `point_cam = cam_from_world * point_world`.
     pub cam_from_world: SE3,
     /// Revision of the map that the insertion led to.
     pub inserted_at: u64,
@@ -96,7 +96,7 @@ impl Keyframe {
         self.covisible.iter().find(|(k, _)| *k == other).map_or(0, |(_, w)| *w)
     }
 
-    /// Camera centre in the world, metres.
+    /// Camera center in the world, meters.
     pub fn center(&self) -> Vec3 {
         self.cam_from_world.center()
     }

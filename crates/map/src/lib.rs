@@ -19,7 +19,7 @@
 //! | all numbers are finite, rotations are rotations, scales positive | validation |
 //! | descriptor, normal and distance range of a point are those of its observations | `derived.rs` |
 //!
-//! After a lasting loss of tracking the map goes on with a new *sub-map* ([`Parent::NewSubmap`]): another spanning tree
+//! When tracking stays lost, the map continues with a new *sub-map* ([`Parent::NewSubmap`]): another spanning tree
 //! under the same ids, in coordinates (and for one camera in a scale) of its own, until a correction joins it to
 //! another one ([`Correction::joined`]). [`Map::submap_of`] names the sub-map of a keyframe by its root.
 //!

@@ -87,7 +87,7 @@ impl Map {
         self.points.iter().map(|(_, p)| p)
     }
 
-    /// The features of a keyframe that show a point, in order, with the point; empty for a keyframe that is not there.
+    /// The features of a keyframe that show a point, in order, with the point; empty for a keyframe that does not exist.
     pub fn points_of(&self, keyframe: KeyframeId) -> impl Iterator<Item = (u32, &MapPoint)> {
         let table = self.keyframe(keyframe).map_or(&[][..], Keyframe::points);
         (0_u32..).zip(table).filter_map(|(feature, point)| Some((feature, self.point((*point)?)?)))

@@ -3,7 +3,7 @@
 use crate::covisibility::CovisibilityChange;
 use crate::{KeyframeId, Map, MapError, Observation, PointCount, PointId};
 
-/// What became of a point that lost an observation.
+/// Outcome for a point that lost an observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointFate {
     /// It is still in the map.

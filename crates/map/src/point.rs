@@ -30,13 +30,13 @@ pub struct PointCount {
 pub struct MapPoint {
     /// Its name in the map.
     pub id: PointId,
-    /// Position in the world, metres.
+    /// Position in the world, meters.
     pub position: Vec3,
     /// The observation's descriptor with the least median Hamming distance to the others, ties by keyframe id.
     pub descriptor: Descriptor,
     /// Unit vector along the mean of the unit viewing directions, from the cameras to the point, world frame.
     pub normal: Vec3,
-    /// Smallest distance at which the point is expected to be found, metres: `max_distance_m / scale^(levels - 1)`.
+    /// Smallest distance at which the point is expected to be found, meters: `max_distance_m / scale^(levels - 1)`.
     pub min_distance_m: f64,
     /// Largest such distance: distance to the reference keyframe times the scale of its octave there.
     pub max_distance_m: f64,

@@ -1,4 +1,4 @@
-//! A pose relative to a keyframe, so that whatever moves the keyframe moves it along.
+//! A pose relative to a keyframe, so that it moves along with the keyframe.
 
 use geometry::SE3;
 
@@ -10,7 +10,7 @@ use crate::map::Map;
 pub struct RelativePose {
     /// The keyframe.
     pub keyframe: KeyframeId,
-    /// Points in the keyframe's camera frame to the camera frame; metres, or the unit of the monocular sub-map.
+    /// Points in the keyframe's camera frame to the camera frame; meters, or the unit of the monocular sub-map.
     pub cam_from_keyframe: SE3,
     /// [`Map::scale_of`] the keyframe for which the translation holds.
     scale: f64,
@@ -28,7 +28,7 @@ impl RelativePose {
     }
 
     /// The pose in the world of `map`, through keyframes that were removed since; the translation follows the keyframe's
-    /// scale. Not normalised. `None` when the map never had the keyframe.
+    /// scale. Not normalized. `None` when the map never had the keyframe.
     pub fn cam_from_world(&self, map: &Map) -> Option<SE3> {
         let (alive, keyframe_from_alive) = map.resolve_keyframe(self.keyframe)?;
         Some(self.scaled(map) * keyframe_from_alive * map.keyframe(alive)?.cam_from_world)

@@ -5,7 +5,7 @@ use geometry::{Mat3, SE3, Vec3};
 use crate::ids::Id;
 use crate::{Keyframe, KeyframeId, Map, MapError, MapPoint, Observation, PointId, PoseDefect};
 
-/// Largest admitted coordinate, metres: beyond it a number is an accident, below it squares stay finite.
+/// Largest admitted coordinate, meters: beyond it a number is an accident, below it squares stay finite.
 pub const MAX_COORDINATE_M: f64 = 1e12;
 
 /// Largest admitted entry of `R^T R - I`.

@@ -13,9 +13,9 @@ pub(crate) const HEIGHT: usize = 376;
 /// Samples per pixel and direction; the image is the mean over this square.
 pub(crate) const SAMPLES: usize = 2;
 
-/// Nothing nearer than this is drawn, metres.
+/// Nothing nearer than this is drawn, meters.
 const NEAR_M: f64 = 0.25;
-/// Objects beyond are not drawn, metres.
+/// Objects beyond are not drawn, meters.
 const FAR_M: f64 = 320.0;
 /// Objects with a smaller radius in the image are not drawn, pixels.
 const MIN_RADIUS_PX: f64 = 0.8;
@@ -30,7 +30,7 @@ const MAX_CORNERS: usize = 12;
 pub(crate) struct View {
     /// Rotation cam_from_world.
     pub(crate) rotation: Matrix3<f64>,
-    /// Camera centre in the world.
+    /// Camera center in the world.
     pub(crate) center: V3,
     pub(crate) camera: Pinhole,
 }
@@ -66,7 +66,7 @@ pub(crate) struct Prepared {
     pub(crate) label: u8,
 }
 
-/// Sample coordinate of a pixel coordinate: samples lie at integers, pixel centres between them.
+/// Sample coordinate of a pixel coordinate: samples lie at integers, pixel centers between them.
 pub(crate) fn sample_of_pixel(pixel: f64) -> f64 {
     SAMPLES as f64 * (pixel + 0.5) - 0.5
 }
@@ -102,7 +102,7 @@ fn may_be_seen(view: &View, center: &V3, radius: f64) -> bool {
     if distance - radius > FAR_M || radius * camera.fx < MIN_RADIUS_PX * distance {
         return false;
     }
-    // Signed distance to a side plane whose inner normal is (slope_x, slope_y, slope_z), not normalised.
+    // Signed distance to a side plane whose inner normal is (slope_x, slope_y, slope_z), not normalized.
     let outside = |x: f64, y: f64, z: f64| {
         (x * center.x + y * center.y + z * center.z) < -radius * (x * x + y * y + z * z).sqrt()
     };
@@ -140,7 +140,7 @@ fn prepare_instance(view: &View, mesh: &Mesh, instance: &Instance, light: &Light
     }
 }
 
-/// Factor on a surface's grey value.
+/// Factor on a surface's gray value.
 fn brightness(light: &Light, normal: &V3, sun_cam: &V3, kind: SurfaceKind) -> f64 {
     let Light { ambient, direct, .. } = light;
     match kind {
@@ -276,7 +276,7 @@ impl Prepared {
         (left.ceil().clamp(0.0, limit) as i32, right.ceil().clamp(0.0, limit) as i32)
     }
 
-    /// Depth in metres at a pixel, on the polygon's plane.
+    /// Depth in meters at a pixel, on the polygon's plane.
     pub(crate) fn depth_at(&self, x: usize, y: usize) -> f32 {
         let [c, dx, dy] = self.inv_z;
         let inv_z = c + dx * sample_of_pixel(x as f64) + dy * sample_of_pixel(y as f64);

@@ -1,18 +1,18 @@
-//! A grey drawing surface in metres, with smooth edges: what facades, cars and signs are painted on before mip-mapping.
+//! A gray drawing surface in meters, with smooth edges: what facades, cars and signs are painted on before mip-mapping.
 
 use crate::noise::{octaves, signed};
 use crate::texture::Texture;
 
-/// Grey values over a rectangle of `size_m`; x to the right, y down, origin in the upper left corner.
+/// Gray values over a rectangle of `size_m`; x to the right, y down, origin in the upper left corner.
 pub(crate) struct Canvas {
     pub(crate) width: usize,
     pub(crate) height: usize,
-    /// Texels per metre in x and y.
+    /// Texels per meter in x and y.
     pub(crate) density: [f32; 2],
     pub(crate) gray: Vec<f32>,
 }
 
-/// A rectangle in metres.
+/// A rectangle in meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rect {
     pub(crate) x: f32,
@@ -26,7 +26,7 @@ impl Rect {
         Self { x, y, w, h }
     }
 
-    /// The rectangle with a border of `by` metres taken off all round.
+    /// The rectangle with a border of `by` meters taken off all round.
     pub(crate) fn inset(&self, by: f32) -> Self {
         Self::new(self.x + by, self.y + by, (self.w - 2.0 * by).max(0.0), (self.h - 2.0 * by).max(0.0))
     }
@@ -38,7 +38,7 @@ impl Canvas {
         Self { width, height, density, gray: vec![tone; width * height] }
     }
 
-    /// Sets every texel from its position in metres and its present value.
+    /// Sets every texel from its position in meters and its present value.
     pub(crate) fn shade(&mut self, tone: impl Fn(f32, f32, f32) -> f32) {
         let (w, d) = (self.width, self.density);
         for (i, g) in self.gray.iter_mut().enumerate() {
@@ -72,7 +72,7 @@ impl Canvas {
         self.paint(rect, 1.0, |_, _| tone);
     }
 
-    /// Draws the border of a rectangle, `line` metres wide, inside it.
+    /// Draws the border of a rectangle, `line` meters wide, inside it.
     pub(crate) fn frame(&mut self, rect: Rect, line: f32, tone: f32) {
         let Rect { x, y, w, h } = rect;
         self.fill(Rect::new(x, y, w, line), tone);
@@ -81,7 +81,7 @@ impl Canvas {
         self.fill(Rect::new(x + w - line, y, line, h), tone);
     }
 
-    /// Fills an ellipse (metres).
+    /// Fills an ellipse (meters).
     pub(crate) fn ellipse(&mut self, center: [f32; 2], radii: [f32; 2], tone: f32) {
         let [cx, cy] = center;
         let soft = 0.7 / (self.density[0].min(self.density[1]) * radii[0].min(radii[1]));

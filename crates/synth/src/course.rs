@@ -1,26 +1,26 @@
-//! The street's centre line: a polygon with rounded corners, smoothed until its curvature is continuous, sampled by length.
+//! The street's center line: a polygon with rounded corners, smoothed until its curvature is continuous, sampled by length.
 
 use crate::mesh::{Placement, V3};
 use crate::noise::signed;
 
-/// Distance between samples of the centre line, metres.
+/// Distance between samples of the center line, meters.
 const STEP_M: f64 = 0.25;
-/// Width of the two smoothing passes, metres: the length over which a turn begins.
+/// Width of the two smoothing passes, meters: the length over which a turn begins.
 const SMOOTHING_M: f64 = 7.0;
 
-/// A place on the centre line.
+/// A place on the center line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Station {
     /// On the ground plane (y = 0).
     pub(crate) position: V3,
     /// Direction of travel, radians; grows in right turns and is continuous along the course.
     pub(crate) heading: f64,
-    /// Change of heading per metre.
+    /// Change of heading per meter.
     pub(crate) curvature: f64,
 }
 
 impl Station {
-    /// Point `lateral` metres to the right, and the heading there.
+    /// Point `lateral` meters to the right, and the heading there.
     pub(crate) fn beside(&self, lateral: f64) -> Placement {
         Placement { position: self.position + self.right() * lateral, yaw: self.heading }
     }
@@ -44,11 +44,11 @@ pub(crate) struct Course {
     turn: f64,
 }
 
-/// A corner of the polygon: x, z and the radius of its rounding, metres.
+/// A corner of the polygon: x, z and the radius of its rounding, meters.
 type Corner = [f64; 3];
 
 impl Course {
-    /// A closed course of about a kilometre with street corners, gentle bends and an S; corners vary with the seed.
+    /// A closed course of about a kilometer with street corners, gentle bends and an S; corners vary with the seed.
     pub(crate) fn town(seed: u64) -> Self {
         const SHARP: f64 = 13.0;
         const WIDE: f64 = 75.0;
@@ -81,7 +81,7 @@ impl Course {
         Self::from_corners(&from_middle, true)
     }
 
-    /// An open street of at least `length` metres that winds gently and never comes back.
+    /// An open street of at least `length` meters that winds gently and never comes back.
     pub(crate) fn street(seed: u64, length: f64) -> Self {
         let seed32 = (seed ^ (seed >> 32)) as u32;
         let (mut corners, mut z, mut i) = (vec![[0.0, 0.0, 1.0]], 0.0, 0);
@@ -120,7 +120,7 @@ impl Course {
         Self { positions, headings, curvatures, length, closed, turn }
     }
 
-    /// The station `s` metres from the start; on a closed course any `s`, on an open one its ends are extended straight on.
+    /// The station `s` meters from the start; on a closed course any `s`, on an open one its ends are extended straight on.
     pub(crate) fn at(&self, s: f64) -> Station {
         let n = self.positions.len();
         if !self.closed {
@@ -147,7 +147,7 @@ impl Course {
         }
     }
 
-    /// Nearest distance from a point to the centre line, from samples 1 m apart; metres.
+    /// Nearest distance from a point to the center line, from samples 1 m apart; meters.
     pub(crate) fn distance(&self, point: &V3) -> f64 {
         let skip = (1.0 / STEP_M) as usize;
         let nearest = |p: &V3| (p.x - point.x).powi(2) + (p.z - point.z).powi(2);

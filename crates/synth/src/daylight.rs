@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 /// Share of a round over which light changes to that of the round.
 const CHANGE: f64 = 0.06;
-/// Grey value of haze at noon, times 256.
+/// Gray value of haze at noon, times 256.
 const HAZE: f32 = 210.0 * 256.0;
 
 /// The light of a moment.
@@ -22,7 +22,7 @@ pub(crate) struct Light {
     pub(crate) direct: f64,
     /// Factor on the brightness of the sky, and of the haze.
     pub(crate) sky: f64,
-    /// Distance at which half of a colour is haze, metres.
+    /// Distance at which half of a color is haze, meters.
     pub(crate) haze_m: f64,
     /// Factor on exposure.
     pub(crate) exposure: f64,
@@ -33,9 +33,9 @@ pub(crate) struct Light {
 /// What haze does to what is seen through it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Haze {
-    /// Distance at which half of a colour is haze, metres.
+    /// Distance at which half of a color is haze, meters.
     pub(crate) half_m: f32,
-    /// Grey value times 256.
+    /// Gray value times 256.
     pub(crate) tone: f32,
 }
 
@@ -61,7 +61,7 @@ impl Light {
         }
     }
 
-    /// That of a later round: by turns a low strong sun from another side, and an overcast sky.
+    /// That of a later round: alternating between a low, strong sun from another side and an overcast sky.
     fn of_round(seed: u64, round: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(mix_seed(seed, round, 15));
         let noon = Self::noon();
@@ -110,13 +110,13 @@ impl Daylight {
         Self { rounds: vec![Light::noon()], round_m: 1.0 }
     }
 
-    /// Other light in each round of `round_m` metres after the first.
+    /// Other light in each round of `round_m` meters after the first.
     pub(crate) fn relit(seed: u64, rounds: u32, round_m: f64) -> Self {
         let later = (1..u64::from(rounds)).map(|round| Light::of_round(seed, round));
         Self { rounds: std::iter::once(Light::noon()).chain(later).collect(), round_m }
     }
 
-    /// The light when `driven` metres are behind us. It changes while a round begins.
+    /// The light when `driven` meters are behind us. It changes while a round begins.
     pub(crate) fn at(&self, driven: f64) -> Light {
         let last = self.rounds.len() - 1;
         let round = ((driven / self.round_m).max(0.0) as usize).min(last);

@@ -5,19 +5,19 @@ use crate::mesh::V3;
 use crate::noise::Wander;
 use geometry::{SE3, SO3, Vec3};
 
-/// Largest turning rate of the centre line's heading, rad/s: 2.2 degrees per frame at 10 Hz.
+/// Largest turning rate of the center line's heading, rad/s: 2.2 degrees per frame at 10 Hz.
 const MAX_TURN_RATE: f64 = 0.385;
 const MAX_SPEED: f64 = 9.8;
 const ACCELERATION: f64 = 1.6;
 const BRAKING: f64 = 2.2;
-/// Camera height above the road, metres.
+/// Camera height above the road, meters.
 pub(crate) const CAMERA_HEIGHT_M: f64 = 1.65;
-/// Our lane's middle, metres to the right of the centre line.
+/// Our lane's middle, meters to the right of the center line.
 pub(crate) const LANE_M: f64 = 1.65;
-/// Distance between nodes of the speed profile, metres.
+/// Distance between nodes of the speed profile, meters.
 const NODE_M: f64 = 0.25;
 
-/// A halt: place on the course (metres driven in all) and duration.
+/// A halt: place on the course (meters driven in all) and duration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {
     pub(crate) s: f64,
@@ -32,7 +32,7 @@ pub(crate) struct Drive {
     arrival: Vec<f64>,
     /// Waiting time at each node.
     wait: Vec<f64>,
-    /// Metres to drive.
+    /// Meters to drive.
     pub(crate) length: f64,
     lateral: Wander,
     per_round: Vec<f64>,
@@ -43,7 +43,7 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
-    /// Drives `length` metres of the course; `stops` sorted by place.
+    /// Drives `length` meters of the course; `stops` sorted by place.
     pub(crate) fn new(course: &Course, length: f64, stops: &[Stop], seed: u64) -> Self {
         let n = (length / NODE_M).ceil() as usize + 2;
         let cruise = Wander::new(1.0, &[1.0 / 97.0, 1.0 / 41.0], seed ^ 0x51);
@@ -87,7 +87,7 @@ impl Drive {
         self.time_at(self.length)
     }
 
-    /// Metres driven at time `t`; constant acceleration between nodes. Before the start and after the end the speed stays.
+    /// Meters driven at time `t`; constant acceleration between nodes. Before the start and after the end the speed stays.
     pub(crate) fn driven(&self, t: f64) -> f64 {
         let last = self.arrival.len() - 1;
         if t <= 0.0 {
@@ -106,7 +106,7 @@ impl Drive {
         (self.speed[i + 1].powi(2) - self.speed[i].powi(2)) / (2.0 * NODE_M)
     }
 
-    /// Time at which `s` metres are driven, seconds; the first moment of a halt.
+    /// Time at which `s` meters are driven, seconds; the first moment of a halt.
     pub(crate) fn time_at(&self, s: f64) -> f64 {
         let last = self.arrival.len() - 1;
         let x = (s / NODE_M).clamp(0.0, last as f64);
@@ -126,7 +126,7 @@ impl Drive {
         self.arrival[node_of(stop, self.arrival.len())]
     }
 
-    /// Offset from the centre line at `s` metres driven: differs a little from round to round, without a step where a round ends.
+    /// Offset from the center line at `s` meters driven: differs a little from round to round, without a step where a round ends.
     fn lateral(&self, s: f64) -> f64 {
         let x = (s / self.round_length).clamp(0.0, (self.per_round.len() - 2) as f64);
         let (round, within) = (x as usize, x.fract());
@@ -158,7 +158,7 @@ fn node_of(stop: &Stop, n: usize) -> usize {
     ((stop.s / NODE_M).round() as usize).min(n - 1)
 }
 
-/// Lowers speeds until no two neighbours ask for more acceleration or braking than there is: v1^2 <= v0^2 + 2 a d.
+/// Lowers speeds until no two neighbors ask for more acceleration or braking than there is: v1^2 <= v0^2 + 2 a d.
 fn limit_acceleration(speed: &mut [f64]) {
     let n = speed.len();
     for i in 1..n {

@@ -1,4 +1,4 @@
-//! Paints the fronts of houses: wall material, storeys, windows, doors, shops, stains; one drawing per house, from its seed.
+//! Paints the fronts of houses: wall material, stories, windows, doors, shops, stains; one drawing per house, from its seed.
 
 use crate::canvas::{Canvas, Rect};
 use crate::noise::{Tile, signed, unit};
@@ -19,12 +19,12 @@ pub(crate) enum Material {
 pub(crate) struct FacadePlan {
     pub(crate) size_m: [f32; 2],
     pub(crate) material: Material,
-    /// Grey value of the wall.
+    /// Gray value of the wall.
     pub(crate) tone: f32,
-    pub(crate) storeys: u32,
+    pub(crate) stories: u32,
     /// Ground floor with shop windows instead of flats.
     pub(crate) shop: bool,
-    /// Walls that look at a neighbour have few windows and no door.
+    /// Walls that look at a neighbor have few windows and no door.
     pub(crate) blank: bool,
     /// Half the resolution: for houses that are only seen from afar.
     pub(crate) distant: bool,
@@ -33,7 +33,7 @@ pub(crate) struct FacadePlan {
 
 impl FacadePlan {
     /// A front chosen by a seed alone.
-    pub(crate) fn from_seed(size_m: [f32; 2], storeys: u32, seed: u32) -> Self {
+    pub(crate) fn from_seed(size_m: [f32; 2], stories: u32, seed: u32) -> Self {
         let r = |k: i32| unit(k, 0, seed);
         let material = match (r(0) * 10.0) as u32 {
             0..=3 => Material::Plaster,
@@ -47,7 +47,7 @@ impl FacadePlan {
             Material::Stone => 95.0 + 50.0 * r(1),
             _ => 95.0 + 85.0 * r(1),
         };
-        Self { size_m, material, tone, storeys, shop: r(2) < 0.3, blank: false, distant: false, seed }
+        Self { size_m, material, tone, stories, shop: r(2) < 0.3, blank: false, distant: false, seed }
     }
 
     /// Texels in x and y: about 4 cm wide and 2 cm high, since fronts are seen from the street at a slant.
@@ -68,18 +68,18 @@ impl FacadePlan {
         let [w, h] = self.texels();
         let mut canvas = Canvas::new(w, h, self.size_m, self.tone);
         self.wall(&mut canvas, noise);
-        let storey_m = self.size_m[1] / self.storeys as f32;
-        for storey in 0..self.storeys {
-            let top = self.size_m[1] - (storey + 1) as f32 * storey_m;
-            if storey == 0 && self.shop && !self.blank {
-                self.shop_front(&mut canvas, noise, top, storey_m);
+        let story_m = self.size_m[1] / self.stories as f32;
+        for story in 0..self.stories {
+            let top = self.size_m[1] - (story + 1) as f32 * story_m;
+            if story == 0 && self.shop && !self.blank {
+                self.shop_front(&mut canvas, noise, top, story_m);
             } else {
-                self.storey(&mut canvas, noise, storey, top, storey_m);
+                self.story(&mut canvas, noise, story, top, story_m);
             }
-            if storey > 0 && self.random(1, 1) < 0.5 {
-                let band = Rect::new(0.0, top + storey_m - 0.16, self.size_m[0], 0.14);
+            if story > 0 && self.random(1, 1) < 0.5 {
+                let band = Rect::new(0.0, top + story_m - 0.16, self.size_m[0], 0.14);
                 canvas.fill(band, self.tone * 1.25);
-                canvas.fill(Rect::new(0.0, top + storey_m - 0.02, self.size_m[0], 0.05), self.tone * 0.55);
+                canvas.fill(Rect::new(0.0, top + story_m - 0.02, self.size_m[0], 0.05), self.tone * 0.55);
             }
         }
         self.weather(&mut canvas, noise);
@@ -114,27 +114,27 @@ impl FacadePlan {
         });
     }
 
-    /// A row of windows with, in the lowest storey, a door.
-    fn storey(&self, canvas: &mut Canvas, noise: &Tile, storey: u32, top: f32, storey_m: f32) {
+    /// A row of windows with, in the lowest story, a door.
+    fn story(&self, canvas: &mut Canvas, noise: &Tile, story: u32, top: f32, story_m: f32) {
         let pitch = 1.9 + 1.5 * self.random(2, 0);
         let columns = ((self.size_m[0] - 0.8) / pitch).floor().max(1.0) as i32;
         let margin = 0.5 * (self.size_m[0] - columns as f32 * pitch);
-        let (width, height) = (0.85 + 0.75 * self.random(3, 0), (0.42 + 0.22 * self.random(4, 0)) * storey_m);
+        let (width, height) = (0.85 + 0.75 * self.random(3, 0), (0.42 + 0.22 * self.random(4, 0)) * story_m);
         let door = (self.random(5, 0) * columns as f32) as i32;
         for column in 0..columns {
-            let key = column + 64 * storey as i32;
+            let key = column + 64 * story as i32;
             if self.blank && self.random(6, key) < 0.8 {
                 continue;
             }
             let center = margin + (column as f32 + 0.5) * pitch;
-            if storey == 0 && column == door && !self.blank {
+            if story == 0 && column == door && !self.blank {
                 self.door(canvas, center, self.size_m[1], 2.2);
                 continue;
             }
             if self.random(7, key) < 0.07 {
                 continue;
             }
-            let rect = Rect::new(center - 0.5 * width, top + 0.26 * storey_m, width, height);
+            let rect = Rect::new(center - 0.5 * width, top + 0.26 * story_m, width, height);
             self.window(canvas, noise, rect, key);
         }
     }
@@ -205,9 +205,9 @@ impl FacadePlan {
     }
 
     /// Shop windows with goods, a sign with letters, a door between.
-    fn shop_front(&self, canvas: &mut Canvas, noise: &Tile, top: f32, storey_m: f32) {
+    fn shop_front(&self, canvas: &mut Canvas, noise: &Tile, top: f32, story_m: f32) {
         let width = self.size_m[0];
-        canvas.fill(Rect::new(0.0, top, width, storey_m), 50.0 + 90.0 * self.random(10, 0));
+        canvas.fill(Rect::new(0.0, top, width, story_m), 50.0 + 90.0 * self.random(10, 0));
         let sign = Rect::new(0.3, top + 0.25, width - 0.6, 0.62);
         let sign_tone = if self.random(11, 0) < 0.5 { 215.0 } else { 45.0 };
         canvas.fill(sign, sign_tone);
@@ -223,7 +223,7 @@ impl FacadePlan {
                 self.door(canvas, x + 0.5 * pitch, self.size_m[1], 2.1);
                 continue;
             }
-            let rect = Rect::new(x + 0.1, top + 1.05, pitch - 0.2, storey_m - 1.55);
+            let rect = Rect::new(x + 0.1, top + 1.05, pitch - 0.2, story_m - 1.55);
             self.shop_window(canvas, noise, rect, pane);
         }
         let plinth = Rect::new(0.0, self.size_m[1] - 0.35, width, 0.35);

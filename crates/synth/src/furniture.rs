@@ -95,7 +95,7 @@ pub(crate) fn sign(common: &Common, kind: usize) -> Mesh {
     mesh.finish()
 }
 
-/// A bin, box or cabinet at the kerb.
+/// A bin, box or cabinet at the curb.
 pub(crate) fn cabinet(common: &Common, seed: u32) -> Mesh {
     let r = |k: i32| f64::from(unit(k, 8, seed));
     let mut mesh = Mesh::default();

@@ -6,12 +6,12 @@ use crate::library::{Common, Recipe, Recipes};
 use crate::mesh::{Mesh, Surface, V3};
 use crate::noise::unit;
 
-/// Outer dimensions of a house, metres.
+/// Outer dimensions of a house, meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Plot {
     pub(crate) width: f64,
     pub(crate) depth: f64,
-    pub(crate) storeys: u32,
+    pub(crate) stories: u32,
     /// Only seen from afar: drawn with coarser textures.
     pub(crate) distant: bool,
 }
@@ -19,7 +19,7 @@ pub(crate) struct Plot {
 impl Plot {
     /// Height of the walls.
     pub(crate) fn height(&self) -> f64 {
-        0.5 + 3.0 * f64::from(self.storeys)
+        0.5 + 3.0 * f64::from(self.stories)
     }
 }
 
@@ -27,7 +27,7 @@ impl Plot {
 pub(crate) fn build(plot: &Plot, recipes: &mut Recipes, common: &Common, look: u32) -> Mesh {
     let r = |k: i32| f64::from(unit(k, 17, look));
     let (w, d, h) = (plot.width, plot.depth, plot.height());
-    let mut front = FacadePlan::from_seed([w as f32, h as f32], plot.storeys, look);
+    let mut front = FacadePlan::from_seed([w as f32, h as f32], plot.stories, look);
     front.distant = plot.distant;
     let texels = front.texels();
     let front_surface = common.fitted(recipes.add(Recipe::Facade(front.clone())), texels, [w, h]);
@@ -98,26 +98,26 @@ fn parapet(mesh: &mut Mesh, plot: &Plot, common: &Common) {
 /// What stands out from the front and the roof.
 fn relief(mesh: &mut Mesh, plot: &Plot, front: &FacadePlan, common: &Common, look: u32) {
     let r = |k: i32| f64::from(unit(k, 31, look));
-    let storey_m = plot.height() / f64::from(plot.storeys);
+    let story_m = plot.height() / f64::from(plot.stories);
     let ledge = Surface { gain: f64::from(front.tone) / 120.0, ..common.concrete };
     if r(0) < 0.4 {
-        for storey in 1..plot.storeys {
-            let up = storey_m * f64::from(storey);
+        for story in 1..plot.stories {
+            let up = story_m * f64::from(story);
             shelf(mesh, V3::new(0.0, -up - 0.1, -0.14), V3::new(plot.width, 0.2, 0.14), ledge);
         }
     }
-    if r(1) < 0.45 && plot.storeys > 2 {
+    if r(1) < 0.45 && plot.stories > 2 {
         let balcony_w = 1.8 + 1.5 * r(2);
         let column = (plot.width - balcony_w - 0.6) * r(3) + 0.3;
-        for storey in 1..plot.storeys {
-            let floor = storey_m * f64::from(storey) + 0.1;
+        for story in 1..plot.stories {
+            let floor = story_m * f64::from(story) + 0.1;
             shelf(mesh, V3::new(column, -floor - 0.95, -1.15), V3::new(balcony_w, 1.05, 1.15), ledge);
         }
     }
     if front.shop && r(4) < 0.6 {
         // An awning over the shop windows.
         let (left, width) = (0.4, plot.width - 0.8);
-        let up = storey_m - 1.0;
+        let up = story_m - 1.0;
         let fall = V3::new(0.0, 0.55, -1.3);
         let cloth = common.signs[(r(5) * common.signs.len() as f64) as usize];
         let cloth = Surface { density: [50.0, 50.0], ..cloth };
@@ -155,7 +155,7 @@ mod tests {
         for look in 0..30 {
             let mut recipes = Recipes::default();
             let common = Common::new(&mut recipes, 1);
-            let plot = Plot { width: 11.0, depth: 10.0, storeys: 2 + look % 3, distant: false };
+            let plot = Plot { width: 11.0, depth: 10.0, stories: 2 + look % 3, distant: false };
             let mesh = build(&plot, &mut recipes, &common, look);
             let inside = V3::new(5.5, -0.6 * plot.height(), 5.0);
             for p in &mesh.polygons {

@@ -6,22 +6,22 @@ use crate::mesh::{Placement, V3};
 /// A street that leaves the course at right angles, straight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SideStreet {
-    /// Place on the course, metres.
+    /// Place on the course, meters.
     pub(crate) s: f64,
-    /// Crossing with the course's centre line.
+    /// Crossing with the course's center line.
     pub(crate) center: V3,
     /// Unit vector to the right of the course.
     pub(crate) right: V3,
     /// Heading of `right`.
     pub(crate) heading: f64,
-    /// Lengths to the left and to the right, metres from the centre line; 0 where there is none.
+    /// Lengths to the left and to the right, meters from the center line; 0 where there is none.
     pub(crate) left_m: f64,
     pub(crate) right_m: f64,
 }
 
-/// Half the width of a side street's carriageway, metres.
+/// Half the width of a side street's carriageway, meters.
 pub(crate) const SIDE_HALF_M: f64 = 3.6;
-/// Half the width of the main carriageway, metres.
+/// Half the width of the main carriageway, meters.
 pub(crate) const ROAD_HALF_M: f64 = 5.4;
 
 impl SideStreet {
@@ -98,7 +98,7 @@ pub(crate) struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    /// Whether a house can stand there, at least `clearance` metres from the course's centre line.
+    /// Whether a house can stand there, at least `clearance` meters from the course's center line.
     pub(crate) fn has_room(&self, house: &Footprint, clearance: f64) -> bool {
         let near_course = self.course.distance(&house.center()) < house.radius() + clearance;
         if near_course && house.points().any(|p| self.course.distance(&p) < clearance) {

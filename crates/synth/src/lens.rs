@@ -5,7 +5,7 @@ use crate::mesh::V3;
 use geometry::{CameraModel, Distortion, GrayImage, KannalaBrandt, Pinhole, SE3, SO3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Pixels of the pinhole picture per pixel of the raw image, at its centre.
+/// Pixels of the pinhole picture per pixel of the raw image, at its center.
 const OVERSAMPLING: f64 = 1.2;
 /// Pixels around the part of the picture that is needed.
 const MARGIN: f64 = 2.0;
@@ -26,7 +26,7 @@ pub struct LensCamera {
     pub model: CameraModel,
     /// Image width and height, pixels.
     pub size: (usize, usize),
-    /// Pose of the camera in the frame of the drive's left camera ([`crate::World::world_from_cam`]), metres.
+    /// Pose of the camera in the frame of the drive's left camera ([`crate::World::world_from_cam`]), meters.
     pub rig_from_cam: SE3,
 }
 
@@ -35,7 +35,7 @@ impl Lens {
     pub const ALL: [Self; 2] = [Self::Radtan, Self::Fisheye];
 
     /// The left and the right camera, 0.54 m apart: turned against each other and against the rig by about a degree, the right one
-    /// some millimetres higher and farther ahead, with slightly different lenses.
+    /// some millimeters higher and farther ahead, with slightly different lenses.
     #[must_use]
     pub fn cameras(self) -> [LensCamera; 2] {
         let degrees = |x: f64, y: f64, z: f64| SO3::exp(&Vec3::new(x, y, z).map(f64::to_radians));
@@ -75,7 +75,7 @@ fn fisheye(i: usize) -> CameraModel {
 /// How the image of a raw camera is made of a pinhole picture in tiles.
 #[derive(Clone, Debug)]
 pub(crate) struct Redrawing {
-    /// Turn and centre of the camera in the rig.
+    /// Turn and center of the camera in the rig.
     rig_from_cam: SE3,
     /// The camera of the whole picture.
     picture: Pinhole,
@@ -156,7 +156,7 @@ fn bilinear(image: &GrayImage, [x, y]: [f32; 2]) -> u8 {
 mod tests {
     use super::*;
 
-    /// A picture whose grey value tells the direction of each pixel.
+    /// A picture whose gray value tells the direction of each pixel.
     fn direction_picture(view: &View) -> GrayImage {
         GrayImage::from_fn(WIDTH, HEIGHT, |x, y| {
             let ray = view.camera.unproject(&Vec2::new(x as f64, y as f64));

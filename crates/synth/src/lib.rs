@@ -4,8 +4,8 @@
 //! Start reading at [`World`] (any frame of a drive) and [`write_kitti`] and [`write_euroc`] (a whole drive as files). Inside: `course` and `drive` (where
 //! the camera is), `town` (what stands where), `traffic` (what moves), `daylight` (what lights it), `camera` and `raster` (how it is drawn).
 //!
-//! World and camera axes: x right, y down, z forward; metres. Everything follows from preset, seed, number of rounds and whether these are relit; frames do not
-//! depend on each other nor on the number of threads.
+//! World and camera axes: x right, y down, z forward; meters. Preset, seed, number of rounds and relighting determine
+//! everything; frames depend neither on each other nor on the number of threads.
 
 mod camera;
 mod canvas;

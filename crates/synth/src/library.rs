@@ -58,7 +58,7 @@ impl Recipes {
 pub(crate) struct Common {
     pub(crate) asphalt: Surface,
     pub(crate) paving: Surface,
-    pub(crate) kerb: Surface,
+    pub(crate) curb: Surface,
     pub(crate) grass: Surface,
     pub(crate) paint: Surface,
     pub(crate) patch: Surface,
@@ -68,7 +68,7 @@ pub(crate) struct Common {
     pub(crate) bark: Surface,
     pub(crate) hedge: Surface,
     pub(crate) dark: Surface,
-    pub(crate) tyre: Surface,
+    pub(crate) tire: Surface,
     pub(crate) clouds: Surface,
     pub(crate) leaves: Vec<Surface>,
     pub(crate) roofs: Vec<Surface>,
@@ -80,7 +80,7 @@ pub(crate) struct Common {
     pub(crate) grain: TextureId,
 }
 
-/// Texels per metre of the grain.
+/// Texels per meter of the grain.
 const GRAIN_DENSITY: f64 = 150.0;
 /// Number of different side walls.
 const GABLES: u32 = 16;
@@ -109,7 +109,7 @@ impl Common {
         Self {
             asphalt,
             paving: make(M::Paving, 3),
-            kerb: Surface { gain: 1.15, ..concrete },
+            curb: Surface { gain: 1.15, ..concrete },
             grass: make(M::Grass, 4),
             paint: decal(make(M::Paint, 5)),
             patch: decal(Surface { gain: 0.72, ..asphalt }),
@@ -119,7 +119,7 @@ impl Common {
             bark: make(M::Bark, 8),
             hedge: make(M::Hedge, 9),
             dark: decal(Surface { gain: 0.28, ..asphalt }),
-            tyre: plain(Surface { gain: 0.3, ..concrete }),
+            tire: plain(Surface { gain: 0.3, ..concrete }),
             clouds: Surface { kind: SurfaceKind::Emissive, ..plain(make(M::Clouds, 10)) },
             leaves: (0..4)
                 .map(|k| Surface { kind: SurfaceKind::CutOut, ..plain(make(M::Leaves, 20 + k)) })
@@ -150,7 +150,7 @@ fn stretched(texture: TextureId, grain: TextureId, texels: [usize; 2], size_m: [
     }
 }
 
-/// A wall with few windows, four storeys high; its lower edge is at v = 0 (it repeats).
+/// A wall with few windows, four stories high; its lower edge is at v = 0 (it repeats).
 fn gable_wall(recipes: &mut Recipes, grain: TextureId, seed: u32) -> Surface {
     let size = [12.0, 12.5];
     let plan = FacadePlan { blank: true, ..FacadePlan::from_seed(size, 4, seed ^ 0x6ab1e) };

@@ -10,14 +10,14 @@ use crate::texture::{Level, Texture};
 const MAX_TAPS: usize = 4;
 /// Share of the footprint's elongation that taps make up for.
 const TAPS_PER_RATIO: f32 = 0.55;
-/// Rounding of the level of detail in even and odd sample rows: a pixel's mean blends neighbouring levels.
+/// Rounding of the level of detail in even and odd sample rows: a pixel's mean blends neighboring levels.
 const DITHER: [f32; 2] = [0.25, 0.75];
 /// Added to the level of detail; a pixel averages two rows of samples, so each may be sharper than its own footprint.
 const LOD_BIAS: f32 = -0.5;
 /// Coarser detail levels are flat and are not read.
 const MAX_DETAIL_LEVEL: f32 = 4.5;
 
-/// How to colour the pairs of samples of a stretch.
+/// How to color the pairs of samples of a stretch.
 pub(crate) struct Lookup<'a> {
     base: &'a Level,
     base_at: Walk,
@@ -43,7 +43,7 @@ impl<'a> Lookup<'a> {
             let z = 1.0 / at(&polygon.inv_z, x).max(1e-7);
             ([at(&polygon.u_over_z, x) * z, at(&polygon.v_over_z, x) * z], z)
         };
-        // Exact at the first pair's centre, in the middle and at the end.
+        // Exact at the first pair's center, in the middle and at the end.
         let n = f64::from(pairs.1 - pairs.0);
         let x0 = 2.0 * f64::from(pairs.0) + 0.5;
         let ([first, middle, last], z) = {
@@ -78,7 +78,7 @@ impl<'a> Lookup<'a> {
         }
     }
 
-    /// Grey values times 256 of the first `n` pairs.
+    /// Gray values times 256 of the first `n` pairs.
     #[inline]
     pub(crate) fn tones(&self, n: usize) -> [u16; LANES] {
         let mut sums = kernel::sums(self.base.gray(), &self.base_at, self.taps, n);
@@ -94,7 +94,7 @@ impl<'a> Lookup<'a> {
     /// Whether the two samples of each of the first `n` pairs are hit, for textures with opacity.
     pub(crate) fn opacity(&self, n: i32) -> [[bool; 2]; LANES] {
         let walk = Walk { tap_step: [0; 2], ..self.base_at };
-        // A quarter of a pair's step before and after its centre.
+        // A quarter of a pair's step before and after its center.
         let aside = walk.step.map(|step| step >> 2);
         let [before, after] = [-1, 1].map(|sign| {
             let walk = Walk { tap_first: aside.map(|a| a.wrapping_mul(sign)), ..walk };

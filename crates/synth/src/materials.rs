@@ -25,7 +25,7 @@ pub(crate) enum Material {
 }
 
 impl Material {
-    /// Texels per metre.
+    /// Texels per meter.
     pub(crate) fn density(self) -> f64 {
         match self {
             Self::Grain => 150.0,
@@ -83,7 +83,7 @@ fn fine(x: usize, y: usize, size: usize, cells: i32, n: u32, gain: f32, seed: u3
     octaves((x as f32 + 0.5) * s, (y as f32 + 0.5) * s, [cells; 2], n, gain, seed)
 }
 
-/// Grey with stones of all sizes, repaired areas and cracks; 12.8 m wide.
+/// Gray with stones of all sizes, repaired areas and cracks; 12.8 m wide.
 fn asphalt(seed: u32) -> Texture {
     tile(512, |x, y| {
         let coarse = fine(x, y, 512, 4, 5, 0.6, seed);
@@ -128,7 +128,7 @@ fn leaf(i: i32, seed: u32, size: f32) -> ([f32; 2], [f32; 2], f32, f32) {
     ([r(0) * size, r(1) * size], [length, length * (0.35 + 0.2 * r(7))], r(3) * 6.3, tone)
 }
 
-/// Draws leaves one over another into `texels` ([grey, opacity]), wrapping at the border.
+/// Draws leaves one over another into `texels` ([gray, opacity]), wrapping at the border.
 fn scatter(texels: &mut [[f32; 2]], size: usize, n: i32, seed: u32, keep: impl Fn([f32; 2]) -> bool) {
     for i in 0..n {
         let (center, axes, direction, tone) = leaf(i, seed, size as f32);

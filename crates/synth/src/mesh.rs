@@ -3,7 +3,7 @@
 use crate::texture::TextureId;
 use nalgebra::{Matrix3, Vector3};
 
-/// Point or direction: x right, y down, z forward; metres.
+/// Point or direction: x right, y down, z forward; meters.
 pub(crate) type V3 = Vector3<f64>;
 
 /// What a polygon looks like.
@@ -12,11 +12,11 @@ pub(crate) struct Surface {
     pub(crate) texture: TextureId,
     /// Finer texture whose deviation from 128 is added, with its texels per texel of the first, in u and v.
     pub(crate) detail: Option<(TextureId, [f64; 2])>,
-    /// Texels per metre in u and v.
+    /// Texels per meter in u and v.
     pub(crate) density: [f64; 2],
     /// Texture coordinates (texels) at the mapping's origin.
     pub(crate) offset: [f64; 2],
-    /// Factor on the grey value, before light.
+    /// Factor on the gray value, before light.
     pub(crate) gain: f64,
     pub(crate) kind: SurfaceKind,
 }
@@ -52,7 +52,7 @@ pub(crate) struct Polygon {
 pub(crate) struct Mesh {
     pub(crate) vertices: Vec<V3>,
     pub(crate) polygons: Vec<Polygon>,
-    /// Centre and radius of a sphere around all vertices.
+    /// Center and radius of a sphere around all vertices.
     pub(crate) center: V3,
     pub(crate) radius: f64,
 }
@@ -90,7 +90,7 @@ impl Mesh {
         self.quad(near + z, x, -z, top);
     }
 
-    /// Adds the walls of an upright tapered prism with `n` sides from `bottom` (centre) up to `height`, radii at bottom and top.
+    /// Adds the walls of an upright tapered prism with `n` sides from `bottom` (center) up to `height`, radii at bottom and top.
     pub(crate) fn prism(&mut self, bottom: V3, height: f64, radii: [f64; 2], n: usize, surface: Surface) {
         let corner = |i: usize, top: bool| {
             let angle = std::f64::consts::TAU * i as f64 / n as f64;
@@ -170,7 +170,7 @@ pub(crate) struct Instance {
     pub(crate) layer: Layer,
     /// Value in the label image.
     pub(crate) label: u8,
-    /// Factor on all grey values.
+    /// Factor on all gray values.
     pub(crate) gain: f64,
 }
 

@@ -51,7 +51,7 @@ pub(crate) fn octaves(x: f32, y: f32, period: [i32; 2], octaves: u32, gain: f32,
         amplitude *= gain;
         scale *= 2;
     }
-    // Neighbouring octaves partly cancel; 1.6 brings the typical range back to [-1, 1].
+    // Neighboring octaves partly cancel; 1.6 brings the typical range back to [-1, 1].
     1.6 * sum / total
 }
 
@@ -63,7 +63,7 @@ pub(crate) struct Tile {
 
 impl Tile {
     const SIZE: i32 = 512;
-    /// Metres per texel.
+    /// Meters per texel.
     const TEXEL_M: f32 = 0.02;
 
     /// Structure from 1.3 m down to 4 cm.
@@ -77,7 +77,7 @@ impl Tile {
         Self { values: (0..Self::SIZE * Self::SIZE).map(at).collect() }
     }
 
-    /// Noise at a place in metres, shifted by `key`; in about [-1, 1].
+    /// Noise at a place in meters, shifted by `key`; in about [-1, 1].
     pub(crate) fn at(&self, x: f32, y: f32, key: u32) -> f32 {
         let shift = hash(key as i32, 1, 77);
         let wrap = |v: f32, by: u32| ((v / Self::TEXEL_M) as i32).wrapping_add(by as i32) & (Self::SIZE - 1);

@@ -23,9 +23,9 @@ pub enum Preset {
 /// Numbers behind a preset.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
-    /// Mean way we drive between two oncoming vehicles, metres.
+    /// Mean way we drive between two oncoming vehicles, meters.
     pub(crate) oncoming_every_m: f64,
-    /// Share of kerb side slots with a parked car.
+    /// Share of curb side slots with a parked car.
     pub(crate) parked: f64,
     /// Share of crossings where a car crosses before us.
     pub(crate) crossing: f64,

@@ -1,4 +1,4 @@
-//! Scan conversion of one band of rows. Each pixel has 2x2 samples with their own depth test and opacity test; colour is computed once for
+//! Scan conversion of one band of rows. Each pixel has 2x2 samples with their own depth test and opacity test; color is computed once for
 //! the two samples of a pixel in a row, from up to four bilinear look-ups along the long axis of the footprint.
 
 use crate::camera::{Prepared, SAMPLES, WIDTH};
@@ -20,7 +20,7 @@ pub(crate) struct Band {
     inv_z: Vec<f32>,
     /// Least inverse depth of each block.
     farthest: Vec<f32>,
-    /// Grey value times 256.
+    /// Gray value times 256.
     tone: Vec<u16>,
     /// Number of the polygon seen.
     polygon: Vec<u32>,
@@ -67,7 +67,7 @@ impl Band {
         self.polygon.fill(0);
     }
 
-    /// Mean tone (grey value times 256) of each pixel of a row of the band.
+    /// Mean tone (gray value times 256) of each pixel of a row of the band.
     pub(crate) fn resolve(&self, row: usize, out: &mut [u16]) {
         let upper = &self.tone[row * SAMPLES * STRIDE..][..STRIDE];
         let lower = &self.tone[(row * SAMPLES + 1) * STRIDE..][..STRIDE];

@@ -15,7 +15,7 @@ const BAND_ROWS: usize = 8;
 /// What the left camera truly sees.
 #[derive(Clone, Debug)]
 pub(crate) struct Truth {
-    /// Metres along the optical axis; 0 in the sky.
+    /// Meters along the optical axis; 0 in the sky.
     pub(crate) depth_m: Raster<f32>,
     pub(crate) labels: Raster<u8>,
 }
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_wall_covers_exactly_its_pixels_at_its_depth() {
-        // At 10 m a pixel is 1/70 m: columns 550..=689, rows 118..=257 have their centres inside.
+        // At 10 m a pixel is 1/70 m: columns 550..=689, rows 118..=257 have their centers inside.
         let edge = |pixels: f64| (pixels - 0.5) / 70.0;
         let (_, truth) = draw(&[wall(V3::new(edge(-70.0), edge(-70.0), 10.0), 2.0, 2.0)]);
         for y in 0..HEIGHT {
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn surfaces_that_share_an_edge_leave_no_crack() {
-        // A fan of triangles around a point that is no pixel centre.
+        // A fan of triangles around a point that is not a pixel center.
         let mut fan = Mesh::default();
         let rim = |i: i32| {
             let angle = f64::from(i) * std::f64::consts::TAU / 13.0;

@@ -10,7 +10,7 @@ use crate::town::{Scene, Town};
 use rand::Rng;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Length of a piece of hedge, wall or fence, metres.
+/// Length of a piece of hedge, wall or fence, meters.
 const PIECE_M: f64 = 3.0;
 
 /// Meshes to choose from.
@@ -49,7 +49,7 @@ impl Town<'_, '_> {
     }
 
     /// Lamps, trees, signs and boxes on the walk.
-    pub(crate) fn kerb_side(&mut self, side: f64, stock: &Stock) {
+    pub(crate) fn curb_side(&mut self, side: f64, stock: &Stock) {
         let regular = self.settings.regular;
         let course = self.layout.course;
         let mut s = if side > 0.0 { 6.0 } else { 14.0 };
@@ -58,7 +58,7 @@ impl Town<'_, '_> {
             let to_street = self.layout.to_side_street(s, side);
             if to_street > SIDE_HALF_M + 1.5 {
                 let kind = if regular { slot % 4 } else { self.rng.random_range(0..10) };
-                self.kerb_thing(side, s, kind, to_street > 8.0, stock);
+                self.curb_thing(side, s, kind, to_street > 8.0, stock);
                 if slot.is_multiple_of(3) {
                     let mut placement = course.at(s + 2.5).beside(side * (ROAD_HALF_M + 0.45));
                     placement.yaw += side * FRAC_PI_2;
@@ -71,7 +71,7 @@ impl Town<'_, '_> {
     }
 
     /// A tree (kinds 0 to 3), a box (4, 5), a sign (6, 7) or nothing.
-    fn kerb_thing(&mut self, side: f64, s: f64, kind: usize, may_be_tree: bool, stock: &Stock) {
+    fn curb_thing(&mut self, side: f64, s: f64, kind: usize, may_be_tree: bool, stock: &Stock) {
         let regular = self.settings.regular;
         let course = self.layout.course;
         let at = |lateral: f64, turn: f64| {
@@ -123,7 +123,7 @@ impl Town<'_, '_> {
         }
     }
 
-    /// Perhaps a plant between `edge` and `edge + beyond` metres beside the course; `(chance, radius)`.
+    /// Perhaps a plant between `edge` and `edge + beyond` meters beside the course; `(chance, radius)`.
     fn plant(
         &mut self,
         side: f64,

@@ -9,10 +9,10 @@ use crate::town::Town;
 use rand::Rng;
 use std::f64::consts::TAU;
 
-/// Least distance of houses from the course's centre line, metres.
+/// Least distance of houses from the course's center line, meters.
 const CLEARANCE_M: f64 = 7.4;
 /// Heights of houses, as often as they stand here.
-const STOREYS: [u32; 8] = [1, 2, 2, 2, 3, 3, 4, 5];
+const STORIES: [u32; 8] = [1, 2, 2, 2, 3, 3, 4, 5];
 
 impl Town<'_, '_> {
     /// A row of houses along one side of the course.
@@ -44,7 +44,7 @@ impl Town<'_, '_> {
         }
     }
 
-    /// Houses side by side along a line from `from` to `to`, their fronts `lateral` metres (or a front garden more) from it.
+    /// Houses side by side along a line from `from` to `to`, their fronts `lateral` meters (or a front garden more) from it.
     fn row(&mut self, line: &dyn Fn(f64) -> Station, from: f64, to: f64, side: f64, lateral: f64) {
         let regular = self.settings.regular;
         let mut s = from;
@@ -57,7 +57,7 @@ impl Town<'_, '_> {
             }
             let wish = if regular { 12.0 } else { self.rng.random_range(8.5..16.0) };
             let depth = if regular { 10.0 } else { self.rng.random_range(8.0..11.5) };
-            let storeys = if regular { 3 } else { STOREYS[self.rng.random_range(0..STOREYS.len())] };
+            let stories = if regular { 3 } else { STORIES[self.rng.random_range(0..STORIES.len())] };
             let fits =
                 [(wish, depth), (0.7 * wish, 0.8 * depth), (6.0, 6.0)].into_iter().find_map(|(w, d)| {
                     let footprint = footprint_along(line, s, to, side, lateral + setback, [w, d])?;
@@ -67,7 +67,7 @@ impl Town<'_, '_> {
                 s += 1.0;
                 continue;
             };
-            self.house(footprint, storeys, false);
+            self.house(footprint, stories, false);
             left_in_group -= 1;
             let gap = if regular || left_in_group > 0 { 0.02 } else { self.rng.random_range(1.0..7.0) };
             s = beyond(line, s, side * (lateral + setback), footprint.width).unwrap_or(s + footprint.width)
@@ -75,8 +75,8 @@ impl Town<'_, '_> {
         }
     }
 
-    fn house(&mut self, footprint: Footprint, storeys: u32, distant: bool) {
-        let plot = Plot { width: footprint.width, depth: footprint.depth, storeys, distant };
+    fn house(&mut self, footprint: Footprint, stories: u32, distant: bool) {
+        let plot = Plot { width: footprint.width, depth: footprint.depth, stories, distant };
         self.layout.houses.push(footprint);
         let mesh = if self.settings.regular { self.repeated(&plot) } else { self.designed(&plot) };
         self.scene.place(mesh, footprint.placement, 1.0);
@@ -112,10 +112,10 @@ impl Town<'_, '_> {
             let z = self.rng.random_range(low.z - margin..high.z + margin);
             let placement = Placement { position: V3::new(x, 0.0, z), yaw: self.rng.random_range(0.0..TAU) };
             let (width, depth) = (self.rng.random_range(9.0..17.0), self.rng.random_range(9.0..13.0));
-            let storeys = self.rng.random_range(3..7);
+            let stories = self.rng.random_range(3..7);
             let footprint = Footprint { placement, width, depth };
             if self.layout.has_room(&footprint, 21.0) {
-                self.house(footprint, storeys, true);
+                self.house(footprint, stories, true);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! From light to grey values: exposure that changes slowly, vignetting, noise that is new in every frame.
+//! From light to gray values: exposure that changes slowly, vignetting, noise that is new in every frame.
 
 use crate::camera::{HEIGHT, WIDTH};
 use crate::daylight::Light;
@@ -7,7 +7,7 @@ use geometry::mix_seed;
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Standard deviation of the noise in the dark, and what it gains up to white, grey levels.
+/// Standard deviation of the noise in the dark, and what it gains up to white, gray levels.
 const NOISE: f32 = 0.9;
 const SHOT_NOISE: f32 = 0.9;
 /// Standard deviation of the sum of four uniform bytes.
@@ -66,7 +66,7 @@ impl Shot {
         Self { seed: mix_seed(self.seed, tile as u64, 14), vignette: 0.0, ..self.clone() }
     }
 
-    /// Grey values of image row `y` from its tones (grey value times 256).
+    /// Gray values of image row `y` from its tones (gray value times 256).
     pub(crate) fn expose(&self, y: usize, tones: &[u16], out: &mut [u8]) {
         let mut random = [0_u8; 4 * WIDTH];
         ChaCha8Rng::seed_from_u64(mix_seed(self.seed, y as u64, 13)).fill_bytes(&mut random);
@@ -75,7 +75,7 @@ impl Shot {
         for (x, ((out, tone), bytes)) in out.iter_mut().zip(tones).zip(random.chunks_exact(4)).enumerate() {
             let r_sq = ((x as f32 - cx).powi(2) + dy_sq) / (cx * cx + cy * cy);
             let light = f32::from(*tone) / 256.0 * self.gain * (1.0 - self.vignette * r_sq);
-            // Rises with the light, for any contrast within -1..1; black stays, and so does middle grey.
+            // Rises with the light, for any contrast within -1..1; black stays, and so does middle gray.
             let light = light * (1.0 + self.contrast * (light / 255.0 - 0.5));
             let sum = u32::from(bytes[0]) + u32::from(bytes[1]) + u32::from(bytes[2]) + u32::from(bytes[3]);
             let sigma = NOISE + SHOT_NOISE * light / 255.0;

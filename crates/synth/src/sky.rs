@@ -3,9 +3,9 @@
 use crate::library::Common;
 use crate::mesh::{Mesh, Surface, V3};
 
-/// Height of the clouds, metres.
+/// Height of the clouds, meters.
 const CLOUDS_M: f64 = 1600.0;
-/// How far the cloud plane reaches, and the distance of the horizon's band, metres.
+/// How far the cloud plane reaches, and the distance of the horizon's band, meters.
 const REACH_M: f64 = 60_000.0;
 const BAND_M: f64 = 6_000.0;
 

@@ -1,4 +1,4 @@
-//! The ground: carriageway, kerbs, walks, side streets, road marks, patches, manholes, tar seams.
+//! The ground: carriageway, curbs, walks, side streets, road marks, patches, manholes, tar seams.
 
 use crate::course::{Course, Station};
 use crate::layout::{Layout, ROAD_HALF_M, SIDE_HALF_M, SideStreet};
@@ -6,11 +6,11 @@ use crate::library::Common;
 use crate::mesh::{Mesh, Surface, V3};
 use crate::noise::{signed, unit};
 
-/// Width of the walks, metres.
+/// Width of the walks, meters.
 pub(crate) const WALK_M: f64 = 3.0;
-/// Height of the kerb, metres.
-const KERB_M: f64 = 0.12;
-/// Distance between cross-sections, metres, and their number in one mesh.
+/// Height of the curb, meters.
+const CURB_M: f64 = 0.12;
+/// Distance between cross-sections, meters, and their number in one mesh.
 const SECTION_M: f64 = 2.5;
 const SECTIONS: usize = 10;
 
@@ -41,7 +41,7 @@ pub(crate) fn build(layout: &Layout<'_>, common: &Common, seed: u32, regular: bo
     meshes
 }
 
-/// A flat polygon textured by world coordinates, so that neighbours join; corners clockwise seen from above.
+/// A flat polygon textured by world coordinates, so that neighbors join; corners clockwise seen from above.
 fn flat(mesh: &mut Mesh, corners: &[V3], surface: Surface) {
     let offset = [surface.density[0] * corners[0].x, surface.density[1] * -corners[0].z];
     mesh.add(corners, V3::x(), -V3::z(), Surface { offset, ..surface });
@@ -60,7 +60,7 @@ fn ground(course: &Course, common: &Common) -> Mesh {
     mesh.finish()
 }
 
-/// Carriageway, kerbs and walks between two cross-sections.
+/// Carriageway, curbs and walks between two cross-sections.
 fn section(mesh: &mut Mesh, layout: &Layout<'_>, common: &Common, s: f64, step: f64) {
     let (a, b) = (layout.course.at(s), layout.course.at(s + step));
     let at = |station: &Station, lateral: f64, up: f64| station.beside(lateral).position - V3::y() * up;
@@ -85,13 +85,13 @@ fn section(mesh: &mut Mesh, layout: &Layout<'_>, common: &Common, s: f64, step: 
     }
 }
 
-/// The walk of one side with its kerb; the slabs follow the street.
+/// The walk of one side with its curb; the slabs follow the street.
 fn walk(mesh: &mut Mesh, common: &Common, [a, b]: [&Station; 2], side: f64, s: f64) {
     let at =
         |station: &Station, lateral: f64, up: f64| station.beside(side * lateral).position - V3::y() * up;
     let (inner, stone, outer) = (ROAD_HALF_M, ROAD_HALF_M + 0.16, ROAD_HALF_M + WALK_M);
     let strip = |mesh: &mut Mesh, from: f64, to: f64, surface: Surface| {
-        let mut corners = [at(b, from, KERB_M), at(b, to, KERB_M), at(a, to, KERB_M), at(a, from, KERB_M)];
+        let mut corners = [at(b, from, CURB_M), at(b, to, CURB_M), at(a, to, CURB_M), at(a, from, CURB_M)];
         if side < 0.0 {
             corners = [corners[1], corners[0], corners[3], corners[2]];
         }
@@ -100,14 +100,14 @@ fn walk(mesh: &mut Mesh, common: &Common, [a, b]: [&Station; 2], side: f64, s: f
         let offset = [surface.density[0] * from, -surface.density[1] * s];
         mesh.add(&corners, -across, back, Surface { offset, ..surface });
     };
-    strip(mesh, inner, stone, common.kerb);
+    strip(mesh, inner, stone, common.curb);
     strip(mesh, stone, outer, common.paving);
-    let mut face = [at(b, inner, KERB_M), at(a, inner, KERB_M), at(a, inner, 0.0), at(b, inner, 0.0)];
+    let mut face = [at(b, inner, CURB_M), at(a, inner, CURB_M), at(a, inner, 0.0), at(b, inner, 0.0)];
     if side < 0.0 {
         face = [face[1], face[0], face[3], face[2]];
     }
     let along = (face[1] - face[0]).normalize();
-    mesh.add(&face, along, V3::y(), Surface { offset: [common.kerb.density[0] * s, 0.0], ..common.kerb });
+    mesh.add(&face, along, V3::y(), Surface { offset: [common.curb.density[0] * s, 0.0], ..common.curb });
 }
 
 /// A mark along the street: its middle at `lateral`, from `s` over `length`.
@@ -118,7 +118,7 @@ fn stripe(mesh: &mut Mesh, course: &Course, surface: Surface, s: f64, length: f6
     flat(mesh, &[at(&b, -half), at(&b, half), at(&a, half), at(&a, -half)], surface);
 }
 
-/// Centre dashes, parking bays, zebra crossings and stop lines before side streets.
+/// Center dashes, parking bays, zebra crossings and stop lines before side streets.
 fn marks(mesh: &mut Mesh, layout: &Layout<'_>, common: &Common, from: f64, to: f64) {
     let course = layout.course;
     let near_crossing = |s: f64| layout.to_side_street(s, 1.0).min(layout.to_side_street(s, -1.0));
@@ -220,10 +220,10 @@ fn side_street(street: &SideStreet, common: &Common) -> Mesh {
         strip(&mut mesh, -SIDE_HALF_M, SIDE_HALF_M, 0.0, common.asphalt);
         for k in [-1.0, 1.0] {
             let (inner, outer) = (k * SIDE_HALF_M, k * (SIDE_HALF_M + 1.8));
-            strip(&mut mesh, inner.min(outer), inner.max(outer), KERB_M, common.paving);
-            let (a, b) = (point(near, inner, KERB_M), point(far, inner, KERB_M));
+            strip(&mut mesh, inner.min(outer), inner.max(outer), CURB_M, common.paving);
+            let (a, b) = (point(near, inner, CURB_M), point(far, inner, CURB_M));
             let (from, to) = if k > 0.0 { (b, a) } else { (a, b) };
-            mesh.quad(from, to - from, V3::y() * KERB_M, common.kerb);
+            mesh.quad(from, to - from, V3::y() * CURB_M, common.curb);
         }
         let mut s = near + 1.0;
         while s + 2.0 < far {

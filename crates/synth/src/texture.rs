@@ -1,4 +1,4 @@
-//! Mip-mapped grey textures that repeat in both directions, with bilinear look-up in fixed point.
+//! Mip-mapped gray textures that repeat in both directions, with bilinear look-up in fixed point.
 
 /// Index of a texture in the [`Library`](crate::library::Library).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,7 +21,7 @@ pub(crate) struct Level {
 /// Bytes after the last texel, so that four bytes can be read from any texel's index.
 const PADDING: usize = 2;
 
-/// The grey values or the opacities of a level, made only by [`Level::gray`] and [`Level::alpha`].
+/// The gray values or the opacities of a level, made only by [`Level::gray`] and [`Level::alpha`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane<'a> {
     pub(crate) shift: u32,
@@ -38,13 +38,13 @@ pub(crate) struct Texture {
 }
 
 impl Texture {
-    /// Bakes `gray(x, y)` (grey levels, clamped to 0..255) at texel indices; sizes must be powers of two.
+    /// Bakes `gray(x, y)` (gray levels, clamped to 0..255) at texel indices; sizes must be powers of two.
     pub(crate) fn opaque(width: usize, height: usize, gray: impl Fn(usize, usize) -> f32) -> Self {
         let gray = (0..width * height).map(|i| gray(i % width, i / width)).collect();
         Self::build(width, height, gray, Vec::new())
     }
 
-    /// Bakes grey and opacity (0..255); coarser levels keep the share of texels that pass the test `alpha >= 128`.
+    /// Bakes gray and opacity (0..255); coarser levels keep the share of texels that pass the test `alpha >= 128`.
     pub(crate) fn cut_out(width: usize, height: usize, texel: impl Fn(usize, usize) -> [f32; 2]) -> Self {
         let texels: Vec<[f32; 2]> = (0..width * height).map(|i| texel(i % width, i / width)).collect();
         let gray = texels.iter().map(|t| t[0]).collect();
@@ -69,7 +69,7 @@ impl Texture {
 
 impl Level {
     fn new(width: usize, height: usize, shift: u32, gray: &[f32], alpha: &[f32]) -> Self {
-        let quantise = |values: &[f32]| -> Vec<u8> {
+        let quantize = |values: &[f32]| -> Vec<u8> {
             if values.is_empty() {
                 return Vec::new();
             }
@@ -84,12 +84,12 @@ impl Level {
             width_mask: width as i32 - 1,
             height_mask: height as i32 - 1,
             stride: width as i32 + 1,
-            gray: quantise(gray),
-            alpha: quantise(alpha),
+            gray: quantize(gray),
+            alpha: quantize(alpha),
         }
     }
 
-    /// The grey values.
+    /// The gray values.
     pub(crate) fn gray(&self) -> Plane<'_> {
         self.plane(&self.gray)
     }
@@ -115,7 +115,7 @@ impl Plane<'_> {
     /// Bilinear value times 256 at (`u`, `v`) in 16.16 fixed-point texels of the finest level.
     #[inline(always)]
     pub(crate) fn bilinear(&self, u: i32, v: i32) -> i32 {
-        // Texel centres lie at half integers.
+        // Texel centers lie at half integers.
         let (u, v) = ((u >> self.shift).wrapping_sub(0x8000), (v >> self.shift).wrapping_sub(0x8000));
         let (fu, fv) = ((u >> 8) & 0xff, (v >> 8) & 0xff);
         let (x, y) = ((u >> 16) & self.width_mask, (v >> 16) & self.height_mask);
@@ -130,14 +130,14 @@ impl Plane<'_> {
     }
 }
 
-/// Two neighbouring texels.
+/// Two neighboring texels.
 #[inline(always)]
 fn two(data: &[u8], at: usize) -> [u32; 2] {
     let pair = &data[at..at + 2];
     [u32::from(pair[0]), u32::from(pair[1])]
 }
 
-/// Halves both sides (a side of one stays); grey is averaged by opacity so that hidden texels leave no fringe.
+/// Halves both sides (a side of one stays); gray is averaged by opacity so that hidden texels leave no fringe.
 fn halve(gray: &[f32], alpha: &[f32], w: usize, h: usize) -> (Vec<f32>, Vec<f32>, usize, usize) {
     let (w2, h2) = ((w / 2).max(1), (h / 2).max(1));
     let (mut gray2, mut alpha2) = (Vec::with_capacity(w2 * h2), Vec::new());
@@ -183,10 +183,10 @@ mod tests {
     #[test]
     fn bilinear_reproduces_texels_and_midpoints() {
         let t = Texture::opaque(4, 2, |x, y| (40 * x + 10 * y) as f32);
-        let centre = |i: i32| (i << 16) + 0x8000;
-        assert_eq!(t.levels[0].gray().bilinear(centre(2), centre(1)), 90 * 256);
-        assert_eq!(t.levels[0].gray().bilinear(centre(2) + 0x8000, centre(1)), 110 * 256);
-        assert_eq!(t.levels[0].gray().bilinear(centre(2 + 4), centre(1 - 2)), 90 * 256);
+        let center = |i: i32| (i << 16) + 0x8000;
+        assert_eq!(t.levels[0].gray().bilinear(center(2), center(1)), 90 * 256);
+        assert_eq!(t.levels[0].gray().bilinear(center(2) + 0x8000, center(1)), 110 * 256);
+        assert_eq!(t.levels[0].gray().bilinear(center(2 + 4), center(1 - 2)), 90 * 256);
     }
 
     #[test]

@@ -118,7 +118,7 @@ pub(crate) fn build(
     }
     let stock = Stock::new(town.scene, common);
     for side in [-1.0, 1.0] {
-        town.kerb_side(side, &stock);
+        town.curb_side(side, &stock);
         town.gardens(side, &stock);
     }
     let (low, high) = course.bounds();
@@ -138,7 +138,7 @@ pub(crate) struct Town<'a, 'b> {
     pub(crate) rng: ChaCha8Rng,
     /// Number of fronts designed so far.
     pub(crate) looks: u32,
-    /// Houses of a regular street: width, storeys and mesh.
+    /// Houses of a regular street: width, stories and mesh.
     pub(crate) known: Vec<(f64, u32, u32)>,
 }
 

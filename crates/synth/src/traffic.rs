@@ -14,11 +14,11 @@ use geometry::mix_seed;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Vehicles within this distance of us are drawn, metres along the course.
+/// Vehicles within this distance of us are drawn, meters along the course.
 const VISIBLE_M: f64 = 170.0;
-/// Least distance from our camera to the tail of the vehicle ahead, were we to stand, metres.
+/// Least distance from our camera to the tail of the vehicle ahead, were we to stand, meters.
 const CLOSEST_M: f64 = 4.0;
-/// Distance between two parking places, metres.
+/// Distance between two parking places, meters.
 const SLOT_M: f64 = 6.25;
 /// Share of parking places whose car changes from round to round.
 const CHANGED: f64 = 0.4;
@@ -30,7 +30,7 @@ struct Kind {
     model: Model,
 }
 
-/// A parking place at the kerb.
+/// A parking place at the curb.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     s: f64,
@@ -49,7 +49,7 @@ struct Mover {
 
 #[derive(Clone, Debug)]
 enum Path {
-    /// Meets us at `s` (metres driven) at time `t`, coming with `speed`.
+    /// Meets us at `s` (meters driven) at time `t`, coming with `speed`.
     Oncoming { s: f64, t: f64, speed: f64, lateral: f64 },
     /// Along a side street: at its middle at time `t`, `sign` +1 from left to right.
     Crossing { center: V3, right: V3, sign: f64, t: f64, speed: f64, lateral: f64, reach: [f64; 2] },
@@ -210,7 +210,7 @@ impl Traffic {
         })
     }
 
-    /// The vehicles at time `t`, when `driven` metres are behind us.
+    /// The vehicles at time `t`, when `driven` meters are behind us.
     pub(crate) fn instances(&self, course: &Course, drive: &Drive, t: f64) -> Vec<Instance> {
         let driven = drive.driven(t);
         let vehicle = |kind: &Kind, placement: Placement, label: u8, gain: f64| Instance {

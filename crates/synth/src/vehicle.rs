@@ -5,7 +5,7 @@ use crate::mesh::{Mesh, Surface, V3};
 use crate::texture::TextureId;
 use crate::vehicle_paint::{Model, Part};
 
-/// Length, width and height, metres.
+/// Length, width and height, meters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Size {
     pub(crate) length: f64,
@@ -66,7 +66,7 @@ pub(crate) fn build(model: Model, recipes: &mut Recipes, common: &Common, seed: 
     body.mesh.finish()
 }
 
-/// Where the roof line bends: lengths along z, metres.
+/// Where the roof line bends: lengths along z, meters.
 struct Profile {
     bonnet: f64,
     screen: f64,
@@ -251,7 +251,7 @@ impl Body<'_> {
             }
             for face in [-1.0, 1.0] {
                 let corner = V3::new(-0.5 * size.width * face, -radius, z + face * -0.9 * radius);
-                self.mesh.quad(corner, V3::x() * size.width * face, V3::y() * radius, self.common.tyre);
+                self.mesh.quad(corner, V3::x() * size.width * face, V3::y() * radius, self.common.tire);
             }
         }
     }

@@ -17,9 +17,9 @@ use geometry::{GrayImage, Pinhole, Raster, SE3, StereoRig};
 
 /// Frames per second.
 pub const FRAME_RATE_HZ: f64 = 10.0;
-/// Length of the open street per round, metres.
+/// Length of the open street per round, meters.
 const STREET_M: f64 = 900.0;
-/// Where we halt before a crossing's middle, metres, and for how long, seconds.
+/// Where we halt before a crossing's middle, meters, and for how long, seconds.
 const HALT_BEFORE_M: f64 = 10.0;
 const HALT_S: f64 = 6.5;
 /// Halts per round.
@@ -45,7 +45,7 @@ pub struct StereoFrame {
     pub left: GrayImage,
     /// Right camera.
     pub right: GrayImage,
-    /// Depth along the left camera's optical axis in metres; 0 in the sky.
+    /// Depth along the left camera's optical axis in meters; 0 in the sky.
     pub depth_m: Raster<f32>,
     /// What the left camera sees: [`LABEL_STATIC`](crate::LABEL_STATIC), [`LABEL_MOVING`](crate::LABEL_MOVING),
     /// [`LABEL_PARKED`](crate::LABEL_PARKED) or [`LABEL_SKY`](crate::LABEL_SKY).
@@ -117,9 +117,9 @@ impl World {
         }
     }
 
-    /// The same world in other light in each round after the first: by turns a low, strong sun from another side with hard
-    /// contrast, and an overcast, hazy sky; exposure differs, too. Geometry, vehicles, depth and labels stay as they are. A world whose
-    /// course is open or driven once keeps its light.
+    /// The same world in other light in each round after the first: alternating between a low, strong sun from
+    /// another side with hard contrast, and an overcast, hazy sky; exposure differs, too. Geometry, vehicles, depth
+    /// and labels stay as they are. A world whose course is open or driven once keeps its light.
     #[must_use]
     pub fn relit(self) -> Self {
         let rounds = if self.course.closed { self.rounds } else { 1 };
@@ -156,7 +156,7 @@ impl World {
         self.n_frames
     }
 
-    /// Length of one round (of the whole street, if it is open), metres.
+    /// Length of one round (of the whole street, if it is open), meters.
     #[must_use]
     pub fn course_length_m(&self) -> f64 {
         self.course.length

@@ -9,17 +9,17 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Depth images hold metres times this; 0 where there is none or it is too far.
+/// Depth images hold meters times this; 0 where there is none or it is too far.
 pub const DEPTH_UNITS_PER_METRE: f64 = 256.0;
 
 /// What is written besides images, calibration, times and poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WriteOptions {
-    /// Only the first so many frames.
+    /// Only this many frames from the start.
     pub max_frames: Option<usize>,
     /// `masks/NNNNNN.png` with the label of each pixel of the left image.
     pub masks: bool,
-    /// `depth/NNNNNN.png`, 16 bits, [`DEPTH_UNITS_PER_METRE`] units per metre.
+    /// `depth/NNNNNN.png`, 16 bits, [`DEPTH_UNITS_PER_METER`] units per meter.
     pub depth: bool,
 }
 

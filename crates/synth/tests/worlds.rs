@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 static TOWN: LazyLock<World> = LazyLock::new(|| World::new(Preset::Town, 7, 2));
 static CROSSING: LazyLock<World> = LazyLock::new(|| World::new(Preset::Crossing, 7, 1));
 
-/// Bilinear grey value; `None` outside.
+/// Bilinear gray value; `None` outside.
 fn bilinear(image: &GrayImage, at: &Vec2) -> Option<f64> {
     let (x, y) = (at.x.floor(), at.y.floor());
     if x < 0.0 || y < 0.0 || x + 1.0 >= image.width as f64 || y + 1.0 >= image.height as f64 {
@@ -57,7 +57,7 @@ fn frames_do_not_depend_on_threads_order_or_world_object() {
 }
 
 #[test]
-fn every_number_is_finite_and_every_pixel_is_labelled() {
+fn every_number_is_finite_and_every_pixel_is_labeled() {
     for i in [0, 300, 777] {
         let frame = TOWN.frame(i);
         assert!(frame.world_from_cam.is_finite());
@@ -77,7 +77,7 @@ fn the_right_image_is_the_left_one_seen_through_its_depth() {
     let rig = TOWN.rig();
     for i in [40, 350, 700] {
         let frame = TOWN.frame(i);
-        // Neighbouring disparities, to have something worse to compare with.
+        // Neighboring disparities, to have something worse to compare with.
         let error = |shift: f64| {
             let errors = pixels(&frame, LABEL_STATIC).into_iter().filter_map(|(x, y, z)| {
                 let u = x as f64 - rig.disparity_from_depth(z) + shift;
@@ -259,7 +259,7 @@ fn near_and_far_surfaces_have_corners() {
 }
 
 #[test]
-fn relighting_changes_grey_values_of_later_rounds_and_nothing_else() {
+fn relighting_changes_gray_values_of_later_rounds_and_nothing_else() {
     let relit = World::new(Preset::Town, 7, 2).relit();
     let second = TOWN.n_frames() / 2 + 150;
     assert!(relit.frame(200) == TOWN.frame(200));

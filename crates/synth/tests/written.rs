@@ -34,9 +34,9 @@ fn a_written_world_is_read_back_as_a_kitti_sequence() {
     let mask = io::load_gray(&folder.path().join("masks/000002.png")).unwrap();
     assert!(mask == frame.labels);
     let depth = io::load_depth(&folder.path().join("depth/000002.png")).unwrap();
-    for (units, metres) in depth.data.iter().zip(&frame.depth_m.data) {
-        let expected = if *metres < 255.9 { *metres } else { 0.0 };
-        assert!((f32::from(*units) / 256.0 - expected).abs() < 0.01, "{units} {metres}");
+    for (units, meters) in depth.data.iter().zip(&frame.depth_m.data) {
+        let expected = if *meters < 255.9 { *meters } else { 0.0 };
+        assert!((f32::from(*units) / 256.0 - expected).abs() < 0.01, "{units} {meters}");
     }
     let json = std::fs::read_to_string(folder.path().join("synth.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
@@ -93,7 +93,7 @@ fn raw_cameras_are_written_as_an_euroc_sequence() {
     let expected = right_from_left(left, right);
     let found = right_from_left(raw.cameras[0].body_from_cam, raw.cameras[1].body_from_cam);
     assert!((found.matrix() - expected.matrix()).amax() < 1e-9);
-    // The left camera's centre is that of the drive, wherever the body is.
+    // The left camera's center is that of the drive, wherever the body is.
     let truth = sequence.ground_truth.unwrap();
     let center = |i: usize| (truth.poses[i].world_from_cam * raw.cameras[0].body_from_cam).translation;
     let moved = world.world_from_cam(1).translation - world.world_from_cam(0).translation;

@@ -14,7 +14,7 @@ pub(crate) struct Args {
     /// Writes a file for the Rerun viewer instead of opening it.
     #[arg(long, value_name = "FILE.rrd", conflicts_with = "connect")]
     pub(crate) save: Option<PathBuf>,
-    /// Sends to a Rerun viewer that is running; without URL to the one on this machine.
+    /// Sends to a running Rerun viewer [default URL: the one on this machine].
     #[arg(long, value_name = "URL", num_args = 0..=1, default_missing_value = "rerun+http://127.0.0.1:9876/proxy")]
     pub(crate) connect: Option<String>,
 }

@@ -4,15 +4,15 @@ use events::{Alignment, KeyframeUpdate, PointUpdate, Scene};
 use geometry::{SE3, Vec3};
 use rerun::{Color, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
-use crate::colours::{self, color, in_space, of_submap};
+use crate::colors::{self, color, in_space, of_submap};
 use crate::layout::{self, block};
 
-/// Depth of a keyframe's frustum as a share of the median distance between neighbours on the path.
+/// Depth of a keyframe's frustum as a share of the median distance between neighbors on the path.
 const FRUSTUM_SHARE: f64 = 0.6;
-/// Points farther from all cameras than so many times that distance are not drawn: the view shows everything that there is, and a
+/// Points farther from all cameras than this multiple of that distance are not drawn: the view shows everything that there is, and a
 /// few points at the horizon would make the rest tiny.
 const REACH: f64 = 60.0;
-/// The true path is drawn anew when the alignment moves it by this share of its extent.
+/// The true path is redrawn when the alignment moves it by this share of its extent.
 const TRUTH_MOVED_SHARE: f64 = 0.003;
 
 /// Draws scenes; knows what is drawn.
@@ -48,16 +48,16 @@ impl Drawer {
         for &b in &dirty.edges {
             let radius = Radius::new_ui_points(0.5);
             let edges = strips(scene.edges_in(b, |k| &k.covisible));
-            let [r, g, blue, a] = colours::COVISIBILITY;
-            let colour = Color::from_unmultiplied_rgba(r, g, blue, a);
-            to.log(block(layout::COVISIBILITY, b), &lines(edges, colour, radius))?;
+            let [r, g, blue, a] = colors::COVISIBILITY;
+            let color = Color::from_unmultiplied_rgba(r, g, blue, a);
+            to.log(block(layout::COVISIBILITY, b), &lines(edges, color, radius))?;
             let loops = strips(scene.edges_in(b, |k| &k.loops));
-            to.log(block(layout::LOOPS, b), &lines(loops, color(colours::LOOP), Radius::new_ui_points(3.0)))?;
+            to.log(block(layout::LOOPS, b), &lines(loops, color(colors::LOOP), Radius::new_ui_points(3.0)))?;
         }
         for &b in &dirty.path {
             let path = scene.path_in(b).iter().map(|strip| flat(strip)).collect();
             let radius = Radius::new_ui_points(2.5);
-            to.log(block(layout::TRAJECTORY, b), &lines(path, color(colours::TRAJECTORY), radius))?;
+            to.log(block(layout::TRAJECTORY, b), &lines(path, color(colors::TRAJECTORY), radius))?;
         }
         Ok(())
     }
@@ -75,13 +75,13 @@ impl Drawer {
         let path = scene.true_path(alignment);
         if has_moved(&self.truth, &path) {
             let strips = path.iter().map(|strip| flat(strip)).collect();
-            to.log(layout::TRUTH, &lines(strips, color(colours::TRUTH), Radius::new_ui_points(1.2)))?;
+            to.log(layout::TRUTH, &lines(strips, color(colors::TRUTH), Radius::new_ui_points(1.2)))?;
             self.truth = path;
         }
         Ok(())
     }
 
-    /// Depth of the frusta of keyframes, in the map's unit; `None` before there are enough keyframes to tell it from.
+    /// Depth of the frusta of keyframes, in the map's unit; `None` before there are enough keyframes to derive it from.
     pub(crate) fn frustum_depth(&self) -> Option<f64> {
         self.frustum
     }
@@ -95,7 +95,7 @@ impl Drawer {
     ) -> RecordingStreamResult<()> {
         let n_frames = scene.start().map_or(1, |start| start.n_frames).max(1);
         self.has_activation |= scene.points_in(b).any(|point| point.activation < u8::MAX);
-        let colour = |point: &PointUpdate| {
+        let color = |point: &PointUpdate| {
             let share = if self.has_activation {
                 f64::from(point.activation) / 255.0
             } else {
@@ -106,7 +106,7 @@ impl Drawer {
         let drawn =
             || scene.points_in(b).filter(|point| reach.is_none_or(|reach| reach.has(&point.position)));
         let points = Points3D::new(drawn().map(|point| point.position))
-            .with_colors(drawn().map(colour))
+            .with_colors(drawn().map(color))
             .with_radii([Radius::new_ui_points(1.2)]);
         to.log(block(layout::POINTS, b), &points)
     }
@@ -124,9 +124,9 @@ impl Drawer {
         };
         let corners = frustum_corners(scene, depth);
         let frusta: Vec<Vec<[f32; 3]>> = scene.keyframes_in(b).map(|k| frustum(k, &corners)).collect();
-        let colours = scene.keyframes_in(b).map(|k| color(of_submap(k.submap)));
+        let colors = scene.keyframes_in(b).map(|k| color(of_submap(k.submap)));
         let keyframes =
-            LineStrips3D::new(frusta).with_colors(colours).with_radii([Radius::new_ui_points(0.6)]);
+            LineStrips3D::new(frusta).with_colors(colors).with_radii([Radius::new_ui_points(0.6)]);
         to.log(block(layout::KEYFRAMES, b), &keyframes)
     }
 
@@ -148,9 +148,9 @@ impl Drawer {
     }
 }
 
-/// Lines in one colour.
-fn lines(strips: Vec<Vec<[f32; 3]>>, colour: Color, radius: Radius) -> LineStrips3D {
-    LineStrips3D::new(strips).with_colors([colour]).with_radii([radius])
+/// Lines in one color.
+fn lines(strips: Vec<Vec<[f32; 3]>>, color: Color, radius: Radius) -> LineStrips3D {
+    LineStrips3D::new(strips).with_colors([color]).with_radii([radius])
 }
 
 fn strips(edges: Vec<[Vec3; 2]>) -> Vec<Vec<[f32; 3]>> {
@@ -265,7 +265,7 @@ mod tests {
         assert!(Reach::of(&scene).is_none());
         let keyframes = vec![keyframe(0, 0.0), keyframe(1, 1.0), keyframe(2, 2.0)];
         scene.apply(&events::Record::Map(events::MapDelta { keyframes, ..Default::default() }));
-        let reach = Reach::of(&scene).expect("keyframes are a metre apart");
+        let reach = Reach::of(&scene).expect("keyframes are a meter apart");
         assert!(reach.has(&[0.0, -10.0, 61.0]) && !reach.has(&[0.0, -10.0, 63.0]));
         assert!(reach.has(&[-59.0, 0.0, 0.0]) && !reach.has(&[-61.0, 0.0, 0.0]));
     }

@@ -1,4 +1,4 @@
-//! Names of what is shown, and how the views are laid out, so that a first look needs no click.
+//! Names of what is shown, and how the views are laid out, so that the default view needs no setup.
 
 use rerun::blueprint::components::{PanelState, PlayState};
 use rerun::blueprint::{
@@ -17,9 +17,9 @@ pub(crate) const WORLD: &str = "world";
 pub(crate) const CAMERA: &str = "world/camera";
 /// Its image.
 pub(crate) const IMAGE: &str = "world/camera/image";
-/// Features coloured by what tracking made of them.
+/// Features colored by their tracking outcome.
 pub(crate) const FEATURES: &str = "world/camera/image/features";
-/// Features coloured by activation.
+/// Features colored by activation.
 pub(crate) const FEATURE_ACTIVATION: &str = "world/camera/image/feature_activation";
 /// The activation map as an overlay.
 pub(crate) const ACTIVATION: &str = "world/camera/image/activation";
@@ -43,7 +43,7 @@ pub(crate) const TIMES: &str = "plots/times_ms";
 pub(crate) const COUNTS: &str = "plots/counts";
 /// Size of the map.
 pub(crate) const MAP_SIZE: &str = "plots/map";
-/// Distances from the truth, metres.
+/// Distances from the truth, meters.
 pub(crate) const ERRORS: &str = "plots/error_m";
 /// As it looked when the frame was new.
 pub(crate) const ERROR: &str = "when_new";
@@ -98,7 +98,7 @@ pub(crate) fn layout(views: Views) -> Blueprint {
         )
 }
 
-/// The image with features in the colours of what tracking made of them.
+/// The image with features in the colors of what tracking made of them.
 fn image() -> Spatial2DView {
     Spatial2DView::new("image: tracked green, new blue, outliers red").with_origin(IMAGE).with_contents([
         "+ $origin/**".to_owned(),
@@ -107,7 +107,7 @@ fn image() -> Spatial2DView {
     ])
 }
 
-/// The image under its activation, with features in the colours of theirs.
+/// The image under its activation, with features in the colors of theirs.
 fn activation() -> Spatial2DView {
     Spatial2DView::new("activation: from violet (moves) to yellow (trusted)")
         .with_origin(IMAGE)

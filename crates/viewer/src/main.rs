@@ -1,10 +1,10 @@
 //! `dsslam-rerun`: reads the event stream of a run, from a pipe or from its file, and shows it in Rerun.
 //!
-//! A program of its own: it needs most of the build time of everything together, and a run does not depend on it. Start reading
-//! at `show.rs` (a record after another), then `draw.rs` (the map and the path) and `layout.rs` (the views).
+//! A separate program: it takes longer to build than everything else together, and a run does not depend on it. Start reading
+//! at `show.rs` (one record after another), then `draw.rs` (the map and the path) and `layout.rs` (the views).
 
 mod args;
-mod colours;
+mod colors;
 mod draw;
 mod input;
 mod layout;

@@ -17,7 +17,7 @@ const CONNECT: Duration = Duration::from_secs(3);
 /// Opens the recording that the arguments ask for, views laid out.
 ///
 /// # Errors
-/// A viewer that is not there, a file that cannot be written.
+/// A missing viewer, a file that cannot be written.
 pub(crate) fn open(args: &Args) -> Result<RecordingStream> {
     let builder = RecordingStreamBuilder::new("dsslam").with_blueprint(layout(Views::WithoutImage));
     let recording = match (&args.save, &args.connect) {
@@ -30,7 +30,7 @@ pub(crate) fn open(args: &Args) -> Result<RecordingStream> {
         }
         (None, None) => builder
             .spawn_opts(&SpawnOptions { hide_welcome_screen: true, ..SpawnOptions::default() })
-            .context("the Rerun viewer cannot be opened: `pip install rerun-sdk==0.36.3` brings it, or write a file"),
+            .context("the Rerun viewer cannot be opened: install it with `pip install rerun-sdk==0.36.3`, or write a file"),
     }?;
     // The run has its own clocks.
     recording.set_log_tick_enabled(false);
@@ -48,16 +48,16 @@ pub(crate) fn close(recording: RecordingStream) -> Result<()> {
         // Its destructor would wait for the viewer for ever.
         std::mem::forget(recording);
     }
-    flushed.context("not everything could be handed to the viewer (where there is no screen, --save, of a run --rerun-save, writes a file)")
+    flushed.context("not everything could be sent to the viewer (without a display, write a file with --save, or with --rerun-save during a run)")
 }
 
-/// Whether anybody listens at a URL; Rerun itself would try for ever.
+/// Whether a viewer listens at a URL; Rerun itself would retry forever.
 ///
 /// # Errors
-/// When nobody does.
+/// When none does.
 fn check_listens(url: &str) -> Result<()> {
     let Some(place) = address(url) else { return Ok(()) };
-    let found = place.to_socket_addrs().with_context(|| format!("{url}: no address of a viewer"))?;
+    let found = place.to_socket_addrs().with_context(|| format!("{url}: not the address of a viewer"))?;
     let mut last = None;
     for address in found {
         match TcpStream::connect_timeout(&address, CONNECT) {
@@ -66,7 +66,7 @@ fn check_listens(url: &str) -> Result<()> {
         }
     }
     let reason = last.map_or("no address".to_owned(), |error| error.to_string());
-    bail!("{url}: no Rerun viewer answers ({reason}); `rerun` starts one")
+    bail!("{url}: no Rerun viewer answers ({reason}); start one with `rerun`")
 }
 
 /// Host and port of a URL such as `rerun+http://127.0.0.1:9876/proxy`; `None` where it names no port.

@@ -1,11 +1,11 @@
-//! Curves over time, with colours that can be told apart.
+//! Curves over time, with colors that can be told apart.
 
 use std::collections::BTreeMap;
 
 use draw::PALETTE;
 use rerun::{RecordingStream, RecordingStreamResult, Scalars, SeriesLines};
 
-use crate::colours::color;
+use crate::colors::color;
 
 /// Width of curves, points of the user interface.
 const WIDTH: f32 = 1.5;
@@ -32,8 +32,8 @@ impl Plots {
         let entity = format!("{plot}/{name}");
         let curves = self.curves.entry(plot).or_default();
         if !curves.iter().any(|curve| curve == name) {
-            let colour = color(PALETTE[curves.len() % PALETTE.len()]);
-            let style = SeriesLines::new().with_colors([colour]).with_names([name]).with_widths([WIDTH]);
+            let color = color(PALETTE[curves.len() % PALETTE.len()]);
+            let style = SeriesLines::new().with_colors([color]).with_names([name]).with_widths([WIDTH]);
             to.log_static(entity.as_str(), &style)?;
             curves.push(name.to_owned());
         }

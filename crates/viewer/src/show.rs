@@ -1,4 +1,4 @@
-//! Shows a stream, a record after another.
+//! Shows a stream, one record after another.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use rerun::{
     TextLogLevel, Transform3D, ViewCoordinates,
 };
 
-use crate::colours::{color, of_state};
+use crate::colors::{color, of_state};
 use crate::draw::Drawer;
 use crate::input::Reader;
 use crate::layout::{self, Views, layout};
@@ -25,7 +25,7 @@ use crate::plots::Plots;
 const ALIGN_EVERY: u32 = 10;
 /// Depth of the image in space as a multiple of the depth of keyframes' frusta.
 const IMAGE_DEPTH: f64 = 3.0;
-/// The same in the map's unit before there are keyframes to tell it from.
+/// The same in the map's unit before there are keyframes to derive it from.
 const FIRST_IMAGE_DEPTH: f64 = 1.5;
 /// Opacity of the activation map over the image.
 const OVERLAY_OPACITY: f32 = 0.45;
@@ -131,7 +131,7 @@ impl Show<'_> {
         self.to.log_static(layout::IMAGE, &pinhole.with_image_plane_distance(self.image_depth as f32))
     }
 
-    /// Makes the image in space as large as goes with the keyframes: a street wants another size than a desk.
+    /// Scales the image in space to fit the keyframes: a street needs another size than a desk.
     fn fit_image(&mut self) -> RecordingStreamResult<()> {
         match self.drawer.frustum_depth().map(|depth| IMAGE_DEPTH * depth) {
             Some(depth) if depth != self.image_depth => {
@@ -189,18 +189,18 @@ impl Show<'_> {
         self.at(features.frame);
         let [sx, sy] = self.image;
         let at: Vec<[f32; 2]> = features.pixels.iter().map(|[x, y]| [x * sx, y * sy]).collect();
-        let colours = features.states.iter().map(|state| color(of_state(*state)));
-        let points = Points2D::new(at.clone()).with_colors(colours);
+        let colors = features.states.iter().map(|state| color(of_state(*state)));
+        let points = Points2D::new(at.clone()).with_colors(colors);
         self.to.log(layout::FEATURES, &points.with_radii([Radius::new_ui_points(1.5)]))?;
         if features.activations.iter().all(|a| *a == u8::MAX) {
             return Ok(());
         }
-        let colours = features.activations.iter().map(|a| color(gradient(f64::from(*a) / 255.0)));
-        let points = Points2D::new(at).with_colors(colours);
+        let colors = features.activations.iter().map(|a| color(gradient(f64::from(*a) / 255.0)));
+        let points = Points2D::new(at).with_colors(colors);
         self.to.log(layout::FEATURE_ACTIVATION, &points.with_radii([Radius::new_ui_points(3.0)]))
     }
 
-    /// Lays the views out anew if there is something to show that has no view yet.
+    /// Rebuilds the views if there is something to show that has no view yet.
     fn lay_out(&mut self, views: Views) -> RecordingStreamResult<()> {
         if views <= self.views {
             return Ok(());
@@ -219,7 +219,7 @@ impl Show<'_> {
         self.to.log(layout::IMAGE, &encoded.with_draw_order(-20.0_f32))
     }
 
-    /// The activation map in colours over the image, in the image's size.
+    /// The activation map in colors over the image, in the image's size.
     fn activation(&mut self, map: &ActivationMap) -> RecordingStreamResult<()> {
         self.lay_out(Views::WithActivation)?;
         self.at(map.frame);

@@ -134,7 +134,7 @@ fn what_is_missing_is_named() {
     args.extend(ACTIVATION);
     let call = dsslam(&args);
     assert_eq!(call.code, 2, "{call}");
-    assert!(call.stderr.contains("/no/such.so: is no usable ONNX Runtime"), "{call}");
+    assert!(call.stderr.contains("/no/such.so: not a usable ONNX Runtime"), "{call}");
     assert!(call.stderr.contains("pip install") && call.stderr.contains("selection=response"), "{call}");
     args[4] = "--dsfeat-model";
     args[5] = "/no/such.onnx";

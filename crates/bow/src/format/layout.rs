@@ -1,4 +1,4 @@
-//! Where things stand in a vocabulary's bytes, which are the same in memory and in the file (little endian).
+//! Layout of a vocabulary's bytes, which are the same in memory and in the file (little endian).
 //!
 //! | bytes | content |
 //! |---|---|
@@ -18,7 +18,7 @@
 //! | then | f32 per node: weight |
 //! | last | zeros up to a multiple of 8 bytes |
 
-/// First bytes of a file: the first is no text, and a transfer that changes line ends is noticed.
+/// First bytes of a file: the first is not text, and a transfer that changes line ends is noticed.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89DSBOW\r\n";
 /// Version that is written, and the highest that is read.
 pub(crate) const VERSION: u32 = 1;
@@ -30,7 +30,7 @@ pub(crate) const CHECKSUM: std::ops::Range<usize> = 12..16;
 const _: () =
     assert!(cfg!(target_endian = "little"), "tables are used in place, which needs a little-endian machine");
 
-/// Byte ranges of the tables of a tree with so many nodes.
+/// Byte ranges of the tables of a tree with this number of nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Layout {
     /// Start of the table of first children, end of the medians.

@@ -137,7 +137,7 @@ impl Slot {
         Self { tier, segment: Arc::new(Segment::new(places)), alive, n_alive }
     }
 
-    /// Where a keyframe stands in the segment, if it is still there.
+    /// Position of a keyframe in the segment, if it still exists.
     fn find(&self, keyframe: u32) -> Option<usize> {
         self.segment.find(keyframe).filter(|&i| self.alive[i])
     }

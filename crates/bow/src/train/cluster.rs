@@ -10,7 +10,7 @@ pub(crate) const CHUNK: usize = 8192;
 
 /// The parts of a divided node.
 pub(crate) struct Split {
-    /// Centre of each part.
+    /// Center of each part.
     pub(crate) medians: Vec<Bits>,
     /// Descriptors of each part, above zero: the parts lie one behind the other.
     pub(crate) sizes: Vec<usize>,
@@ -125,11 +125,11 @@ mod tests {
     }
 
     #[test]
-    fn separate_groups_are_found_with_their_centres() {
-        let centres = [[0; 4], [u64::MAX, u64::MAX, 0, 0], [0, 0, u64::MAX, u64::MAX]];
-        // Each member flips one bit of its centre, each bit at most once: the median is the centre.
+    fn separate_groups_are_found_with_their_centers() {
+        let centers = [[0; 4], [u64::MAX, u64::MAX, 0, 0], [0, 0, u64::MAX, u64::MAX]];
+        // Each member flips one bit of its center, each bit at most once: the median is the center.
         let member = |i: usize| {
-            let mut bits: Bits = centres[i % 3];
+            let mut bits: Bits = centers[i % 3];
             bits[i / 3 % 4] ^= 1 << (i / 12);
             bits
         };
@@ -137,7 +137,7 @@ mod tests {
         let Split { mut medians, sizes } = split(&mut descriptors, 3, &options(3));
         assert_eq!(sizes, [100, 100, 100]);
         medians.sort_unstable();
-        let mut expected = centres;
+        let mut expected = centers;
         expected.sort_unstable();
         assert_eq!(medians, expected);
         assert!(descriptors.chunks(100).all(|part| part.iter().all(|bits| distance(bits, &part[0]) <= 2)));

@@ -1,4 +1,4 @@
-//! Inverse document frequencies: words that stand in most images tell little.
+//! Inverse document frequencies: words that occur in most images say little.
 
 use crate::vocabulary::Vocabulary;
 use features::Descriptor;

@@ -2,7 +2,7 @@
 
 use crate::kernels::Bits;
 
-/// Bits of the fast counters: so many descriptors less one are added before the counts are moved on.
+/// Bits of the fast counters: one less than this many descriptors are added before the counts are carried over.
 const PLANES: usize = 8;
 
 /// Counts, for each of 256 bits, in how many descriptors it is set.
@@ -91,7 +91,7 @@ mod tests {
     proptest! {
         #[test]
         fn median_has_the_least_sum_of_distances(all in prop::collection::vec(any::<Bits>(), 1..40), other: Bits, tie: Bits) {
-            let sum = |centre: &Bits| all.iter().map(|bits| distance(bits, centre)).sum::<u32>();
+            let sum = |center: &Bits| all.iter().map(|bits| distance(bits, center)).sum::<u32>();
             prop_assert!(sum(&median_of(&all, &tie)) <= sum(&other));
         }
 

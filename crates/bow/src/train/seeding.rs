@@ -1,4 +1,4 @@
-//! First centres for k-medians: k-means++ (Arthur and Vassilvitskii, SODA 2007) with Hamming distances.
+//! First centers for k-medians: k-means++ (Arthur and Vassilvitskii, SODA 2007) with Hamming distances.
 
 use crate::kernels::{Bits, Task, dispatch, distance};
 use crate::train::cluster::CHUNK;
@@ -10,26 +10,26 @@ use rayon::prelude::*;
 /// Purpose of the random numbers in [`mix_seed`].
 const SEEDING: u64 = 0x5eed;
 
-/// Up to `n` different descriptors: the first by chance, each further one with a probability that grows with the squared
+/// Up to `n` different descriptors: the first at random, each further one with a probability that grows with the squared
 /// distance to the nearest one chosen. Fewer when there are no more different ones.
 pub(crate) fn choose(descriptors: &[Bits], n: usize, seed: u64) -> Vec<Bits> {
     let mut random = ChaCha8Rng::seed_from_u64(mix_seed(seed, 0, SEEDING));
-    let mut centres = vec![descriptors[random.random_range(0..descriptors.len())]];
+    let mut centers = vec![descriptors[random.random_range(0..descriptors.len())]];
     let mut cost_sq = vec![u32::MAX; descriptors.len()];
-    while centres.len() < n {
-        let centre = centres[centres.len() - 1];
+    while centers.len() < n {
+        let center = centers[centers.len() - 1];
         // Integers: the sum is the same in any order.
         let chunks = cost_sq.par_chunks_mut(CHUNK).zip(descriptors.par_chunks(CHUNK));
         let sums: Vec<u64> =
-            chunks.map(|(cost_sq, part)| dispatch(Approach { centre, part, cost_sq })).collect();
+            chunks.map(|(cost_sq, part)| dispatch(Approach { center, part, cost_sq })).collect();
         let total: u64 = sums.iter().sum();
         if total == 0 {
             break;
         }
         let index = locate(&cost_sq, &sums, random.random_range(0..total));
-        centres.push(descriptors[index]);
+        centers.push(descriptors[index]);
     }
-    centres
+    centers
 }
 
 /// The first index at which the running sum of costs exceeds `target`, which is below the sum of all.
@@ -48,9 +48,9 @@ fn locate(cost_sq: &[u32], chunk_sums: &[u64], target: u64) -> usize {
     index
 }
 
-/// Lowers the squared distances to those to a new centre; gives their sum.
+/// Lowers the squared distances to those to a new center; gives their sum.
 struct Approach<'a> {
-    centre: Bits,
+    center: Bits,
     part: &'a [Bits],
     cost_sq: &'a mut [u32],
 }
@@ -62,7 +62,7 @@ impl Task for Approach<'_> {
     fn run(self) -> u64 {
         let mut sum = 0;
         for (cost_sq, bits) in self.cost_sq.iter_mut().zip(self.part) {
-            *cost_sq = distance(bits, &self.centre).pow(2).min(*cost_sq);
+            *cost_sq = distance(bits, &self.center).pow(2).min(*cost_sq);
             sum += u64::from(*cost_sq);
         }
         sum
@@ -76,9 +76,9 @@ mod tests {
     #[test]
     fn all_different_descriptors_are_chosen_when_there_are_few() {
         let descriptors: Vec<Bits> = (0..300).map(|i| [i % 3, 0, 0, 0]).collect();
-        let mut centres = choose(&descriptors, 8, 1);
-        centres.sort_unstable();
-        assert_eq!(centres, [[0, 0, 0, 0], [1, 0, 0, 0], [2, 0, 0, 0]]);
+        let mut centers = choose(&descriptors, 8, 1);
+        centers.sort_unstable();
+        assert_eq!(centers, [[0, 0, 0, 0], [1, 0, 0, 0], [2, 0, 0, 0]]);
     }
 
     #[test]
@@ -92,8 +92,8 @@ mod tests {
         };
         let descriptors: Vec<Bits> = (0..600).map(member).collect();
         let hits = (0..50).filter(|&seed| {
-            let centres = choose(&descriptors, 3, seed);
-            bases.iter().all(|base| centres.iter().any(|centre| centre[..3] == base[..3]))
+            let centers = choose(&descriptors, 3, seed);
+            bases.iter().all(|base| centers.iter().any(|center| center[..3] == base[..3]))
         });
         assert!(hits.count() >= 48);
     }

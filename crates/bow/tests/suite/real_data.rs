@@ -16,7 +16,7 @@ struct View {
 /// Frames of a folder of images, every `step`-th of the first `end`, if the folder is there.
 fn views(folder: &str, end: usize, step: usize) -> Option<Vec<View>> {
     let Some(data) = std::env::var_os("DSSLAM_DATA") else {
-        println!("skipped: DSSLAM_DATA is not set, so {folder} is not there");
+        println!("skipped: DSSLAM_DATA is not set, so {folder} is not available");
         return None;
     };
     let folder = PathBuf::from(data).join(folder);
@@ -47,7 +47,7 @@ fn index(views: &[View]) -> PlaceIndex {
 }
 
 #[test]
-fn the_frame_that_looks_most_alike_is_a_neighbour() {
+fn the_frame_that_looks_most_alike_is_a_neighbor() {
     let Some(views) = views("kitti06_first51/image_0", 51, 1) else { return };
     let index = index(&views);
     for (id, view) in (0u32..).zip(&views) {

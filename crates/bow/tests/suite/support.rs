@@ -13,7 +13,7 @@ pub(crate) fn random_descriptor(random: &mut ChaCha8Rng) -> Descriptor {
     Descriptor(random.random())
 }
 
-/// The descriptor with so many bits, chosen by chance (some perhaps twice), flipped.
+/// The descriptor with this many randomly chosen bits flipped (some perhaps twice).
 pub(crate) fn noisy(descriptor: &Descriptor, n_flips: usize, random: &mut ChaCha8Rng) -> Descriptor {
     let mut noisy = *descriptor;
     for _ in 0..n_flips {

@@ -1,5 +1,5 @@
-//! `dsslam-video`: decodes a video, or reads a camera, and writes grey frames as a YUV4MPEG2 stream to standard output, where `dsslam`
-//! takes them. A program of its own, so that nobody else waits for the hundreds of libraries that OpenCV's decoders load.
+//! `dsslam-video`: decodes a video, or reads a camera, and writes gray frames as a YUV4MPEG2 stream to standard output, where `dsslam`
+//! takes them. A separate program, so that nothing else has to load the hundreds of libraries that OpenCV's decoders need.
 #![allow(clippy::print_stderr, reason = "a program tells what went wrong")]
 
 use std::io::{ErrorKind, Write};
@@ -70,21 +70,21 @@ fn copy(source: &str, out: &mut impl Write) -> std::result::Result<(), Failure> 
     }
     writeln!(out)?;
     let clock = Clock::start();
-    let (mut grey, mut n) = (Mat::default(), 0_u32);
+    let (mut gray, mut n) = (Mat::default(), 0_u32);
     loop {
         if (frame.cols(), frame.rows()) != (width, height) {
             let (w, h) = (frame.cols(), frame.rows());
             writeln!(out, "XEND at frame {n}: its size is {w}x{h}, not {width}x{height} as before")?;
             return Ok(());
         }
-        to_grey(&frame, &mut grey)?;
+        to_gray(&frame, &mut gray)?;
         // A file's frames come at its rate; those of a camera when it delivers them.
         if is_camera {
             writeln!(out, "FRAME XT{:.6}", clock.seconds())?
         } else {
             writeln!(out, "FRAME")?
         }
-        out.write_all(grey.data_bytes()?)?;
+        out.write_all(gray.data_bytes()?)?;
         n += 1;
         if !next(&mut capture, &mut frame)? {
             break;
@@ -100,12 +100,12 @@ fn next(capture: &mut VideoCapture, frame: &mut Mat) -> Result<bool> {
     Ok(capture.read(frame)? && !frame.empty())
 }
 
-/// Grey values without gaps between the rows.
-fn to_grey(frame: &Mat, grey: &mut Mat) -> Result<()> {
+/// Gray values without gaps between the rows.
+fn to_gray(frame: &Mat, gray: &mut Mat) -> Result<()> {
     match frame.channels() {
-        1 => frame.copy_to(grey),
-        4 => imgproc::cvt_color(frame, grey, imgproc::COLOR_BGRA2GRAY, 0),
-        _ => imgproc::cvt_color(frame, grey, imgproc::COLOR_BGR2GRAY, 0),
+        1 => frame.copy_to(gray),
+        4 => imgproc::cvt_color(frame, gray, imgproc::COLOR_BGRA2GRAY, 0),
+        _ => imgproc::cvt_color(frame, gray, imgproc::COLOR_BGR2GRAY, 0),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Changes of the map: adding them up gives the map, whatever is done to it; what nobody can see is not told.
+//! Changes of the map: adding them up gives the map, whatever is done to it; what a viewer cannot show is omitted.
 
 use std::collections::BTreeMap;
 
@@ -80,7 +80,7 @@ fn small_moves_are_told_when_they_add_up_and_at_the_end() {
     tracker.advance(&map, 0);
     let mut told = Vec::new();
     for step in 1..=5 {
-        // About ten metres away: a tenth of a metre is a visible move.
+        // About ten meters away: a tenth of a meter is a visible move.
         let position = Vec3::new(0.0, 1.0, 10.0 + 0.04 * f64::from(step));
         map.set_estimates(&[], &[(PointId(0), position)]).unwrap();
         told.push(tracker.advance(&map, 0).points.len());

@@ -74,7 +74,7 @@ fn lengths_follow_the_scale_of_the_keyframe() {
     let mut delta = DeltaTracker::new(DeltaOptions::default()).advance(&map, 7);
     delta.keyframes.iter_mut().for_each(|k| k.scale = 2.0);
     scene.apply(&Record::Map(delta));
-    assert!((x_of(&scene, 7) - 2.0).abs() < 1e-12, "half a metre became one");
+    assert!((x_of(&scene, 7) - 2.0).abs() < 1e-12, "half a meter became one");
     assert!(tracker.advance(&map, 8).is_empty());
 }
 
@@ -99,7 +99,7 @@ fn blocks_tell_what_changed_and_hold_everything_once() {
 }
 
 #[test]
-fn edges_join_camera_centres() {
+fn edges_join_camera_centers() {
     let (scene, _) = scene_of(&row(3));
     let parents = scene.edges_in(0, |keyframe| keyframe.parent.as_slice());
     assert_eq!(parents.len(), 2);
@@ -136,7 +136,7 @@ fn placed(index: u32, position: Vec3) -> Record {
 }
 
 #[test]
-fn the_truth_is_laid_onto_the_path_and_errors_are_metres() {
+fn the_truth_is_laid_onto_the_path_and_errors_are_meters() {
     for (sensor, unit) in [(Sensor::Stereo, 1.0), (Sensor::Mono, 4.0)] {
         let mut scene = Scene::default();
         scene.apply(&start(10, sensor));
@@ -144,7 +144,7 @@ fn the_truth_is_laid_onto_the_path_and_errors_are_metres() {
             scene.apply(&placed(index, bent_path(index) / unit));
         }
         let alignment = scene.alignment().unwrap();
-        assert!((alignment.metres_per_unit() - unit).abs() < 1e-9, "{sensor}");
+        assert!((alignment.meters_per_unit() - unit).abs() < 1e-9, "{sensor}");
         assert!(scene.errors_m(&alignment).iter().all(|(_, error)| *error < 1e-9), "{sensor}");
         assert_eq!(scene.true_path(&alignment).iter().map(Vec::len).collect::<Vec<_>>(), [10]);
         // One frame is half a unit off.

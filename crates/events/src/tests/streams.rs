@@ -93,7 +93,7 @@ fn a_stream_that_was_cut_anywhere_keeps_what_was_whole() {
 fn other_files_and_other_versions_are_refused() {
     for bytes in [&b""[..], b"DSEVEN", b"DSEVENTX\x01\0\0\0", b"%PDF-1.4 and so on"] {
         let error = read(bytes).1.unwrap_err().to_string();
-        assert_eq!(error, "this is no event stream: it does not begin with DSEVENTS");
+        assert_eq!(error, "not an event stream: it does not begin with DSEVENTS");
     }
     let error = read(b"DSEVENTS\x09\0\0\0").1.unwrap_err().to_string();
     assert_eq!(

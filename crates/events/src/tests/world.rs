@@ -8,7 +8,7 @@ use map::{Batch, KeyframeId, Map, NewKeyframe, NewPoint, Observation, Parent, Po
 
 use crate::{Camera, Counts, FramePose, FrameRecord, FrameState, Pose, Record, Start, TruePosition};
 
-/// A camera looking along z, `x` metres to the right of the origin.
+/// A camera looking along z, `x` meters to the right of the origin.
 pub(super) fn camera_at(x: f64) -> SE3 {
     SE3::new(SO3::identity(), Vec3::new(-x, 0.0, 0.0))
 }
@@ -26,7 +26,7 @@ pub(super) fn frame(index: u32) -> Arc<Frame> {
     Arc::new(Frame::new(index, 0.1 * f64::from(index), Arc::new(rig), scales, features, vec![f32::NAN; 16]))
 }
 
-/// Inserts a keyframe of frame `index` at `x` metres that sees these points and makes `n_new` others 10 m in front of it.
+/// Inserts a keyframe of frame `index` at `x` meters that sees these points and makes `n_new` others 10 m in front of it.
 pub(super) fn insert(map: &mut Map, index: u32, x: f64, seen: &[u32], n_new: u32) -> KeyframeId {
     let keyframe = NewKeyframe {
         frame: frame(index),
@@ -43,7 +43,7 @@ pub(super) fn insert(map: &mut Map, index: u32, x: f64, seen: &[u32], n_new: u32
     map.insert(Batch { keyframe: Some(keyframe), points }).expect("a valid batch").keyframe.expect("inserted")
 }
 
-/// Keyframes of frames 0, 5, 10 ... a metre apart; each makes four points that the next one sees, too.
+/// Keyframes of frames 0, 5, 10 ... a meter apart; each makes four points that the next one sees, too.
 pub(super) fn row(n: u32) -> Map {
     let mut map = Map::new();
     for k in 0..n {
@@ -53,7 +53,7 @@ pub(super) fn row(n: u32) -> Map {
     map
 }
 
-/// Positions that lie on no line and in no plane, metres, so that an alignment with them is unique.
+/// Positions that lie on no line and in no plane, meters, so that an alignment with them is unique.
 pub(super) fn bent_path(frame: u32) -> Vec3 {
     Vec3::new(f64::from(frame), f64::from(frame % 3), f64::from(frame % 2))
 }
@@ -74,7 +74,7 @@ pub(super) fn start(n: u32, sensor: Sensor) -> Record {
     })
 }
 
-/// A tracked frame at `x` metres whose pose refers to a keyframe at `keyframe_x`.
+/// A tracked frame at `x` meters whose pose refers to a keyframe at `keyframe_x`.
 pub(super) fn tracked(index: u32, x: f64, keyframe: Option<u32>, keyframe_x: f64) -> Record {
     let cam_from_keyframe = camera_at(x) * camera_at(keyframe_x).inverse();
     Record::Frame(FrameRecord {

@@ -10,10 +10,10 @@ use crate::scene::Scene;
 /// What COLMAP writes for a feature without a point.
 const NO_POINT: u64 = u64::MAX;
 
-/// `cameras.bin`, `images.bin` and `points3D.bin` of a scene whose points have these colours.
+/// `cameras.bin`, `images.bin` and `points3D.bin` of a scene whose points have these colors.
 ///
 /// # Panics
-/// When the number of colours is not that of the points.
+/// When the number of colors is not that of the points.
 #[must_use]
 pub fn colmap_binary(scene: &Scene, colors: &[Color]) -> ColmapFiles {
     ColmapFiles { cameras: cameras(scene), images: images(scene), points: points(scene, colors) }

@@ -1,6 +1,6 @@
 //! COLMAP's sparse models, text and binary: cameras, images with their features, points with their tracks.
 //!
-//! Formats: <https://colmap.github.io/format.html>. COLMAP's pixel (0.5, 0.5) is the centre of the upper left one, ours is (0, 0), so
+//! Formats: <https://colmap.github.io/format.html>. COLMAP's pixel (0.5, 0.5) is the center of the upper left one, ours is (0, 0), so
 //! half a pixel is added to principal points and features. Its ids count from 1: camera index, keyframe id and point id plus one.
 
 mod binary;
@@ -72,11 +72,11 @@ fn track<'a>(scene: &'a Scene, point: &'a Point) -> impl ExactSizeIterator<Item 
     point.track.iter().map(element)
 }
 
-/// The points with their colours.
+/// The points with their colors.
 fn colored<'a>(
     scene: &'a Scene,
     colors: &'a [Color],
 ) -> impl ExactSizeIterator<Item = (&'a Point, &'a Color)> {
-    assert_eq!(scene.points.len(), colors.len(), "a colour per point");
+    assert_eq!(scene.points.len(), colors.len(), "a color per point");
     scene.points.iter().zip(colors)
 }

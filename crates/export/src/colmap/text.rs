@@ -7,10 +7,10 @@ use draw::Color;
 use super::{ColmapFiles, camera_id, colored, features, image_id, intrinsics, point_id, pose, track};
 use crate::scene::Scene;
 
-/// `cameras.txt`, `images.txt` and `points3D.txt` of a scene whose points have these colours.
+/// `cameras.txt`, `images.txt` and `points3D.txt` of a scene whose points have these colors.
 ///
 /// # Panics
-/// When the number of colours is not that of the points.
+/// When the number of colors is not that of the points.
 #[must_use]
 pub fn colmap_text(scene: &Scene, colors: &[Color]) -> ColmapFiles {
     let [cameras, images, points] =

@@ -91,7 +91,7 @@ fn read_binary(files: &dsslam_export::ColmapFiles) -> Model {
     model
 }
 
-/// Lines that are no comments, as words.
+/// Lines that are not comments, as words.
 fn lines(text: &[u8]) -> Vec<Vec<&str>> {
     let text = std::str::from_utf8(text).unwrap();
     text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(' ').collect()).collect()

@@ -1,4 +1,4 @@
-//! Images beside the model: found, copied or redrawn, and the colours of the points in them.
+//! Images beside the model: found, copied or redrawn, and the colors of the points in them.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ fn of_size(i: usize) -> GrayImage {
 }
 
 #[test]
-fn images_are_copied_and_give_the_colours() {
+fn images_are_copied_and_give_the_colors() {
     let (folder, sequence) = sequence(of_size);
     let scene = Scene::of(&street(), 0).unwrap();
     let images = SceneImages::find(&scene, &sequence, folder.path()).unwrap();
@@ -87,7 +87,7 @@ fn a_keyframe_of_another_sequence_is_named() {
     drop(folder);
     assert_eq!(
         error.to_string(),
-        "street: found no frame at 0.4 s, the time of keyframe 1 (frame 4): the map was made from another sequence"
+        "street: found no frame at 0.4 s, the time of keyframe 1 (frame 4): the map was built from another sequence"
     );
 }
 

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::world::*;
 
-/// Position and colour of each vertex of a file with this crate's properties.
+/// Position and color of each vertex of a file with this crate's properties.
 fn read_ply(bytes: &[u8]) -> Vec<(Vec3, [u8; 3], u16)> {
     let end = b"end_header\n";
     let at = bytes.windows(end.len()).position(|window| window == end).unwrap() + end.len();
@@ -22,7 +22,7 @@ fn read_ply(bytes: &[u8]) -> Vec<(Vec3, [u8; 3], u16)> {
 }
 
 #[test]
-fn ply_has_the_points_with_their_colours() {
+fn ply_has_the_points_with_their_colors() {
     let scene = Scene::of(&street(), 0).unwrap();
     let colors = Tint::Observations.colors(&scene);
     let vertices = read_ply(&ply(&scene, &colors, PlyFrame::Map));

@@ -35,7 +35,7 @@ impl KannalaBrandt {
         Vec2::new(fx * scale * point_cam.x + cx, fy * scale * point_cam.y + cy)
     }
 
-    /// The derivative of [`KannalaBrandt::project`] by the point: 2 by 3, pixels per metre.
+    /// The derivative of [`KannalaBrandt::project`] by the point: 2 by 3, pixels per meter.
     #[must_use]
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
         let across = point_cam.xy().norm();

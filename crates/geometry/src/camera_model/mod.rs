@@ -38,7 +38,7 @@ impl CameraModel {
         }
     }
 
-    /// The derivative of [`CameraModel::project`] by the point: 2 by 3, pixels per metre.
+    /// The derivative of [`CameraModel::project`] by the point: 2 by 3, pixels per meter.
     #[must_use]
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
         match self {
@@ -67,7 +67,7 @@ impl CameraModel {
 
     /// The angle from the axis in radians up to which the projection is one to one: beyond it, a lens model folds its image back.
     ///
-    /// A pinhole sees less than a quarter turn; its tangential terms are left out of account.
+    /// A pinhole sees less than a quarter turn; its tangential terms are ignored.
     #[must_use]
     pub fn max_angle(&self) -> f64 {
         match self {

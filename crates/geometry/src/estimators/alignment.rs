@@ -19,7 +19,7 @@ impl<'a> AlignmentEstimator<'a> {
     /// Matches in a sample.
     pub const SAMPLE_SIZE: usize = 3;
 
-    /// Matched points, whether the scale is free, and the squared threshold in square metres of the target frame.
+    /// Matched points, whether the scale is free, and the squared threshold in square meters of the target frame.
     ///
     /// # Panics
     /// When the lengths differ.

@@ -23,7 +23,7 @@ impl<'a> PnpEstimator<'a> {
     /// Matches in a sample.
     pub const SAMPLE_SIZE: usize = 3;
 
-    /// Matches of undistorted pixels with world points in metres, and for each the squared threshold in square pixels.
+    /// Matches of undistorted pixels with world points in meters, and for each the squared threshold in square pixels.
     ///
     /// # Panics
     /// When the three lengths differ.

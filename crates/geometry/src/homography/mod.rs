@@ -6,7 +6,7 @@ mod decompose;
 pub use decompose::{PlanarMotion, decompose_homography};
 
 use crate::aliases::{Mat3, Vec2, Vec3};
-use crate::fundamental::normalisation;
+use crate::fundamental::normalization;
 use crate::pinhole::Pinhole;
 use crate::se3::SE3;
 use crate::svd::{RightSvd, triangular_factor};
@@ -44,7 +44,7 @@ impl Homography {
 
     /// The homography that a plane induces, of which camera a sees the points `x` with `normal_a . x = distance`.
     ///
-    /// `normal_a` has length one, `distance` and the translation are in metres; Hartley and Zisserman, equation 13.2. `None` when a
+    /// `normal_a` has length one, `distance` and the translation are in meters; Hartley and Zisserman, equation 13.2. `None` when a
     /// camera lies in the plane.
     #[must_use]
     pub fn of_plane(
@@ -119,7 +119,7 @@ fn basis(pixels: &[Vec2; 4]) -> Option<(Mat3, Vec3)> {
     regular.then_some((basis, weights))
 }
 
-/// The homography of four or more pixel pairs by the normalised direct linear transform (Hartley and Zisserman, algorithm
+/// The homography of four or more pixel pairs by the normalized direct linear transform (Hartley and Zisserman, algorithm
 /// 4.2); weights default to one.
 ///
 /// `None` when lengths differ, fewer than four pairs are given, or the pairs leave it open (three of four on a line).
@@ -133,12 +133,12 @@ pub fn estimate_homography(
     if n < 4 || pixels_b.len() != n || weights.is_some_and(|w| w.len() != n || w.iter().any(|&v| v < 0.0)) {
         return None;
     }
-    let (normalise_a, normalise_b) = (normalisation(pixels_a)?, normalisation(pixels_b)?);
+    let (normalize_a, normalize_b) = (normalization(pixels_a)?, normalization(pixels_b)?);
     // Nine rows at least, so that the triangular factor is square.
     let mut system = OMatrix::<f64, nalgebra::Dyn, U9>::zeros((2 * n).max(9));
     for i in 0..n {
-        let a = normalise_a * pixels_a[i].push(1.0);
-        let b = normalise_b * pixels_b[i].push(1.0);
+        let a = normalize_a * pixels_a[i].push(1.0);
+        let b = normalize_b * pixels_b[i].push(1.0);
         let weight = weights.map_or(1.0, |w| w[i].sqrt());
         let first = [0.0, 0.0, 0.0, -a.x, -a.y, -1.0, b.y * a.x, b.y * a.y, b.y];
         let second = [a.x, a.y, 1.0, 0.0, 0.0, 0.0, -b.x * a.x, -b.x * a.y, -b.x];
@@ -149,8 +149,8 @@ pub fn estimate_homography(
     if svd.values[7] <= MIN_RANK_RATIO * svd.values[0] {
         return None;
     }
-    let normalised = Mat3::from_row_slice(svd.null_vector().as_slice());
+    let normalized = Mat3::from_row_slice(svd.null_vector().as_slice());
     // Judged before the scales of the pixels come in.
-    Homography::new(&normalised)?;
-    Homography::new(&(normalise_b.try_inverse()? * normalised * normalise_a))
+    Homography::new(&normalized)?;
+    Homography::new(&(normalize_b.try_inverse()? * normalized * normalize_a))
 }

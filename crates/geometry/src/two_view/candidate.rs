@@ -74,7 +74,7 @@ impl Candidate {
     }
 
     /// How much of what this motion gains by its points another one gains by the same matches, from 0 to about 1. Far points
-    /// agree with many motions and are left out.
+    /// agree with many motions and are skipped.
     pub(super) fn share_of(&self, other: &Self) -> f64 {
         let with_point = || (0..self.points.len()).filter(|&i| self.points[i].is_some());
         let (own, others) = (

@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 type Vec5 = SVector<f64, 5>;
 type Mat5 = SMatrix<f64, 5, 5>;
 
-/// Minimises the weighted sum of `e^2 / (1 + e^2)`, `e` being the Sampson distance over its limit (Geman and McClure 1987, so that
+/// Minimizes the weighted sum of `e^2 / (1 + e^2)`, `e` being the Sampson distance over its limit (Geman and McClure 1987, so that
 /// wrong matches have no say), by reweighted Gauss-Newton steps as long as they help.
 ///
 /// Translations have length one. The sign of the translation is kept: the errors do not depend on it.

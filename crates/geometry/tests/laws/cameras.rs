@@ -16,7 +16,7 @@ fn any_point() -> impl Strategy<Value = Vec3> {
     (-1.0..1.0, -0.5..0.5, 0.1..80.0).prop_map(|(x, y, z)| Vec3::new(x * z, y * z, z))
 }
 
-fn any_normalised() -> impl Strategy<Value = Vec2> {
+fn any_normalized() -> impl Strategy<Value = Vec2> {
     (-0.6..0.6, -0.45..0.45).prop_map(|(x, y)| Vec2::new(x, y))
 }
 
@@ -50,7 +50,7 @@ proptest! {
     }
 
     #[test]
-    fn undistortion_inverts_distortion(ideal in any_normalised()) {
+    fn undistortion_inverts_distortion(ideal in any_normalized()) {
         for lens in LENSES {
             assert_close!(lens.undistort(&lens.distort(&ideal)), ideal, 1e-13);
             assert_close!(lens.distort(&lens.undistort(&ideal)), ideal, 1e-13);
@@ -58,7 +58,7 @@ proptest! {
     }
 
     #[test]
-    fn distortion_jacobian_is_the_derivative(ideal in any_normalised()) {
+    fn distortion_jacobian_is_the_derivative(ideal in any_normalized()) {
         for lens in LENSES {
             assert_close!(lens.distort_jacobian(&ideal), numeric_jacobian(&ideal, |x| lens.distort(x)), 1e-9);
         }

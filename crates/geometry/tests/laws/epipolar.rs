@@ -95,10 +95,10 @@ fn the_pose_behind_the_essential_matrix_is_found() {
         let p = pair(seed, 40, 0.0);
         let f = estimate_fundamental(&p.pixels_a, &p.pixels_b, None).unwrap();
         let essential = essential_from_fundamental(&f, &CAMERA, &CAMERA);
-        let normalised =
+        let normalized =
             |pixels: &[Vec2]| -> Vec<Vec2> { pixels.iter().map(|x| CAMERA.unproject(x).xy()).collect() };
         let found =
-            pose_from_essential(&essential, &normalised(&p.pixels_a), &normalised(&p.pixels_b)).unwrap();
+            pose_from_essential(&essential, &normalized(&p.pixels_a), &normalized(&p.pixels_b)).unwrap();
         let truth = SE3::new(p.b_from_a.rotation, p.b_from_a.translation.normalize());
         let (angle, distance) = motion_error(&found.b_from_a, &truth);
         assert!(angle < 1e-6 && distance < 1e-5, "seed {seed}: {angle:e} {distance:e}");

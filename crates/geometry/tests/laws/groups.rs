@@ -211,7 +211,7 @@ fn known_rotation_turns_x_into_y() {
 }
 
 #[test]
-fn a_thousand_products_stay_a_rotation_after_normalisation() {
+fn a_thousand_products_stay_a_rotation_after_normalization() {
     let step = SE3::exp(&Vec6::new(0.1, 0.0, 0.3, 0.01, -0.02, 0.003));
     let long = (0..1000).fold(SE3::identity(), |g, _| g * step);
     let normalized = long.normalized();

@@ -170,7 +170,7 @@ fn what_comes_to_lie_behind_the_camera_is_not_transferred() {
     assert_eq!(turned.transfer_errors_sq(&pixel, &pixel), [f64::INFINITY; 2]);
 }
 
-/// The nearest of the four to the truth: turn, distance of the centres, angle between the normals.
+/// The nearest of the four to the truth: turn, distance of the centers, angle between the normals.
 fn nearest(found: &[PlanarMotion; 4], truth: &SE3, normal_a: &Vec3) -> f64 {
     let error = |motion: &PlanarMotion| {
         let (angle, distance) = motion_error(&motion.b_from_a, truth);

@@ -20,7 +20,7 @@ fn case(seed: u64) -> Case {
     }
 }
 
-/// Errors of the solution nearest to the truth: radians, metres.
+/// Errors of the solution nearest to the truth: radians, meters.
 fn nearest(case: &Case, solutions: &[SE3]) -> Option<(f64, f64)> {
     let errors = solutions.iter().map(|s| motion_error(s, &case.cam_from_world));
     errors.min_by(|a, b| (a.0 + a.1).total_cmp(&(b.0 + b.1)))
@@ -93,7 +93,7 @@ fn moving_the_world_moves_every_solution() {
 
 #[test]
 fn the_symmetric_case_has_its_answer() {
-    // An equilateral triangle seen straight from above its centre, 2 m away.
+    // An equilateral triangle seen straight from above its center, 2 m away.
     let corner = |k: f64| Vec3::new((k * 2.0944).cos(), (k * 2.0944).sin(), 0.0);
     let points_world = [corner(0.0), corner(1.0), corner(2.0)];
     let rays = points_world.map(|p| p + Vec3::new(0.0, 0.0, 2.0));

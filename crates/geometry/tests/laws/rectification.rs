@@ -74,7 +74,7 @@ fn every_pixel_has_a_source_and_a_wider_view_would_not_do() {
         let StereoRectification { rectified_from_left, rectified_from_right, rig } =
             rectified(&right_from_left(seed));
         let (width, height) = (SIZE.0 as f64, SIZE.1 as f64);
-        // OpenCV counts a pixel's breadth behind the last centre as inside, in source and target.
+        // OpenCV counts a pixel's breadth behind the last center as inside, in source and target.
         let worst = |camera: &Pinhole| {
             let mut outside = f64::NEG_INFINITY;
             for (model, turn) in [(EUROC_LEFT, rectified_from_left), (EUROC_RIGHT, rectified_from_right)] {
@@ -143,7 +143,7 @@ fn faults_of_the_rig_are_told() {
             fault(straight, -0.1, -0.2, 0.0),
             "found the second camera 0.2000 m along y and 0.1000 m along x of the first, expected it to the right",
         ),
-        (apart, "found cameras that look apart, expected a common field of view"),
+        (apart, "found cameras that look in different directions, expected a common field of view"),
     ] {
         assert_eq!(error.to_string(), text);
     }

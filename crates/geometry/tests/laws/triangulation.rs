@@ -8,10 +8,10 @@ use rand::Rng;
 struct Scene {
     point: Vec3,
     cams_from_world: Vec<SE3>,
-    normalised: Vec<Vec2>,
+    normalized: Vec<Vec2>,
 }
 
-/// Views of one point, all in front; noise is in normalised units.
+/// Views of one point, all in front; noise is in normalized units.
 fn scene(seed: u64, n_views: usize, noise: f64) -> Scene {
     let mut rng = generator(seed);
     let point = random_visible_point(&mut rng);
@@ -26,15 +26,15 @@ fn scene(seed: u64, n_views: usize, noise: f64) -> Scene {
         let p = cam * point;
         p.xy() / p.z + Vec2::from_fn(|_, _| rng.random_range(-1.0..1.0)) * noise
     };
-    let normalised = cams_from_world.iter().map(see).collect();
-    Scene { point, cams_from_world, normalised }
+    let normalized = cams_from_world.iter().map(see).collect();
+    Scene { point, cams_from_world, normalized }
 }
 
 #[test]
 fn exact_views_give_the_point() {
     for seed in 0..500 {
         let s = scene(seed, 2 + (seed as usize % 5), 0.0);
-        let found = triangulate(&s.cams_from_world, &s.normalised).unwrap();
+        let found = triangulate(&s.cams_from_world, &s.normalized).unwrap();
         assert!((found - s.point).norm() < 1e-8 * s.point.norm(), "seed {seed}: {found} {}", s.point);
     }
 }
@@ -46,7 +46,7 @@ fn the_point_moves_along_with_the_world() {
         let moved_from_world = random_motion(&mut generator(seed + 1000), 5000.0, 3.0);
         let cams: Vec<_> = s.cams_from_world.iter().map(|cam| cam * moved_from_world.inverse()).collect();
         let (Some(there), Some(here)) =
-            (triangulate_dlt(&cams, &s.normalised), triangulate_dlt(&s.cams_from_world, &s.normalised))
+            (triangulate_dlt(&cams, &s.normalized), triangulate_dlt(&s.cams_from_world, &s.normalized))
         else {
             panic!("seed {seed}: no point");
         };
@@ -59,7 +59,7 @@ fn more_noisy_views_come_nearer_on_average() {
     let error = |n_views| -> f64 {
         let distance = |seed| {
             let s = scene(seed, n_views, 5e-4);
-            (triangulate_dlt(&s.cams_from_world, &s.normalised).unwrap() - s.point).norm() / s.point.norm()
+            (triangulate_dlt(&s.cams_from_world, &s.normalized).unwrap() - s.point).norm() / s.point.norm()
         };
         (0..100).map(distance).sum()
     };
@@ -71,9 +71,9 @@ fn a_point_behind_a_camera_is_refused_by_cheirality_only() {
     let turned = SE3::new(SO3::exp(&Vec3::new(0.0, std::f64::consts::PI, 0.0)), Vec3::new(1.0, 0.0, 0.0));
     let point = Vec3::new(0.2, 0.1, 5.0);
     let cams = [SE3::identity(), turned];
-    let normalised = cams.map(|cam| (cam * point).xy() / (cam * point).z);
-    assert!(triangulate(&cams, &normalised).is_none());
-    assert_close!(triangulate_dlt(&cams, &normalised).unwrap(), point, 1e-10);
+    let normalized = cams.map(|cam| (cam * point).xy() / (cam * point).z);
+    assert!(triangulate(&cams, &normalized).is_none());
+    assert_close!(triangulate_dlt(&cams, &normalized).unwrap(), point, 1e-10);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::ids::Id;
 use crate::{KeyframeId, Map};
 
 impl Map {
-    /// Counts the shared points of every pair anew; a symmetric count makes symmetric weights.
+    /// Recounts the shared points of every pair; a symmetric count makes symmetric weights.
     pub(super) fn check_covisibility(&self, found: &mut Vec<Violation>) {
         for (keyframe, k) in self.keyframes.iter() {
             let counts = self.count_shared(k);

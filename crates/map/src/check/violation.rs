@@ -51,24 +51,24 @@ pub enum Violation {
         /// The first point that it could create.
         first: Option<PointId>,
     },
-    /// A keyframe's relation names a keyframe that is not there.
-    #[error("keyframe {keyframe} names keyframe {missing} which is not there")]
+    /// A keyframe's relation names a keyframe that does not exist.
+    #[error("keyframe {keyframe} names keyframe {missing}, which does not exist")]
     MissingKeyframe {
         /// The keyframe that names it.
         keyframe: KeyframeId,
         /// The id that names nothing.
         missing: KeyframeId,
     },
-    /// A point names a keyframe that is not there.
-    #[error("point {point} names keyframe {missing} which is not there")]
+    /// A point names a keyframe that does not exist.
+    #[error("point {point} names keyframe {missing}, which does not exist")]
     MissingObserver {
         /// The point that names it.
         point: PointId,
         /// The id that names nothing.
         missing: KeyframeId,
     },
-    /// A feature shows a point that is not there.
-    #[error("feature {feature} of keyframe {keyframe} shows point {missing} which is not there")]
+    /// A feature shows a point that does not exist.
+    #[error("feature {feature} of keyframe {keyframe} shows point {missing}, which does not exist")]
     MissingPoint {
         /// The keyframe.
         keyframe: KeyframeId,

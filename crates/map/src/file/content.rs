@@ -24,7 +24,7 @@ pub(super) struct Content<'a> {
 /// A camera, shared by many frames.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct RigRecord {
-    /// fx, fy, cx, cy in pixels, baseline in metres.
+    /// fx, fy, cx, cy in pixels, baseline in meters.
     pub(super) stereo: [f64; 5],
     /// k1, k2, p1, p2, k3.
     pub(super) distortion: [f64; 5],

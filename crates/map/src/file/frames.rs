@@ -47,9 +47,9 @@ impl Shared {
 
     /// Puts a frame together, or says what is wrong with its parts.
     pub(super) fn frame(&self, record: &FrameRecord<'_>) -> Result<Frame, String> {
-        let rig = self.rigs.get(record.rig as usize).ok_or("a camera that is not there")?.clone();
+        let rig = self.rigs.get(record.rig as usize).ok_or("a camera that does not exist")?.clone();
         let scales =
-            self.scales.get(record.scales as usize).ok_or("pyramid levels that are not there")?.clone();
+            self.scales.get(record.scales as usize).ok_or("pyramid levels that do not exist")?.clone();
         let n = record.octave.len();
         let (x, y) = (numbers(&record.x, n)?, numbers(&record.y, n)?);
         let (angle_deg, response) = (numbers(&record.angle_deg, n)?, numbers(&record.response, n)?);

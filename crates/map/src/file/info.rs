@@ -21,7 +21,7 @@ pub struct MapFileInfo {
     pub configuration: String,
     /// SHA-256 of the vocabulary in use, hexadecimal; empty if there was none.
     pub vocabulary_sha256: String,
-    /// Pose of the left camera in the body that carries it (IMU): the upper 3x4 row by row, numbers with spaces between, metres.
+    /// Pose of the left camera in the body that carries it (IMU): the upper 3x4 row by row, numbers with spaces between, meters.
     /// Empty where the camera is the body, and where the map has no scale.
     pub body_from_left: String,
 }

@@ -1,6 +1,6 @@
 //! Records to a map: the facts are put in place, what follows from them is computed, and `check` judges the whole.
 //!
-//! Nothing here trusts the records: what does not fit is left out, and `check` names it.
+//! The records are not trusted: what does not fit is skipped, and `check` names it.
 
 use std::sync::Arc;
 

@@ -268,7 +268,7 @@ fn a_broken_map_with_right_checksums_is_refused_by_its_first_violation() {
         assert!(found.starts_with(&format!("inconsistent map in file: {what}")), "{found}");
     };
     expect("a number of point P2 is not finite", &|m| m.points.live_mut(p(2)).position.x = f64::NAN);
-    expect("point P2 names keyframe K9 which is not there (and 1 more)", &|m| {
+    expect("point P2 names keyframe K9, which does not exist (and 1 more)", &|m| {
         m.points.live_mut(p(2)).observations[1].keyframe = k(9);
     });
     expect("point P2 has an observation in feature 40 of keyframe K1", &|m| {

@@ -241,7 +241,7 @@ fn two_thousand_random_mutations_keep_every_invariant() {
             refused[kind]
         );
     }
-    assert!(largest.0 > 50 && largest.1 > 10, "the map was no toy: {largest:?} at most");
+    assert!(largest.0 > 50 && largest.1 > 10, "the map was not a toy: {largest:?} at most");
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn the_first_keyframe_of_a_submap_shares_no_point_with_older_ones() {
         let error = refused(&mut map, |m| m.insert(batch));
         assert_eq!(error, MapError::SubmapMatched { keyframe: K(3) });
     }
-    // Points of others in the same batch are no matter of the new one.
+    // Points of others in the same batch do not concern the new one.
     let points = vec![new_point(&[(3, 0)]), new_point(&[(1, 30), (2, 30)])];
     let keyframe = first(&map, &[]);
     map.insert(Batch { keyframe, points }).unwrap();

@@ -44,7 +44,7 @@ pub(super) fn frame(index: u32) -> Arc<Frame> {
     frame_of(index, &features)
 }
 
-/// A moderate random motion, metres and radians.
+/// A moderate random motion, meters and radians.
 pub(super) fn random_pose(random: &mut impl Rng) -> SE3 {
     SE3::exp(&Vec6::from_fn(|i, _| random.random_range(-1.0..1.0) * if i < 3 { 5.0 } else { 0.5 }))
 }
@@ -110,7 +110,7 @@ pub(super) fn refused<T: std::fmt::Debug>(
     error
 }
 
-/// Largest distance between corresponding positions and camera centres of two maps, metres.
+/// Largest distance between corresponding positions and camera centers of two maps, meters.
 pub(super) fn largest_gap(a: &Map, b: &Map) -> f64 {
     let points = a.points().zip(b.points()).map(|(p, q)| (p.position - q.position).norm());
     let centers = a.keyframes().zip(b.keyframes()).map(|(p, q)| (p.center() - q.center()).norm());
