@@ -30,9 +30,7 @@ mod world;
 
 pub use calibrate::{OffsetEstimate, estimate_disparity_offset};
 pub use keyframe_database::KeyframeDatabase;
-pub use loops::{
-    GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, LoopReport, NoLoop, adjust_globally,
-};
+pub use loops::{GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, NoLoop, adjust_globally};
 pub use lost::{Lost, NotReady};
 pub use mapper::{Mapper, MappingReport};
 pub use params::{LoopParams, MappingParams, Params, TrackingParams, Weights};

@@ -1,9 +1,10 @@
 //! From a verified loop to the correction of the map: the test against the path between the visits, then the pose graph,
 //! or the motion of a whole sub-map.
 
-use geometry::{Mat6, Mat7, SE3, Sim3};
+use geometry::{SE3, Sim3};
 use map::{Correction, KeyframeCorrection, KeyframeId, Map};
-use optim::{PoseGraphEdge, PoseGraphOptions, PoseGraphProblem, refine_pose_graph};
+use nalgebra::{SMatrix, SVector};
+use optim::{PoseGraphEdge, PoseGraphOptions, PoseGraphProblem, PoseGroup, refine_pose_graph};
 
 use super::LoopCorrection;
 use super::cycle_test;
@@ -50,10 +51,15 @@ pub(super) fn correct(
         let here_from_there = Sim3::new(rigid.rotation, rigid.translation * scale, scale);
         let graph = EssentialGraph::new(map, keyframe, params.loops.essential_weight);
         cycle_test::test(&graph, map, keyframe, verified.matched, &rigid, params)?;
+        let ends = [verified.matched, keyframe];
         let keyframes = if params.sensor.is_scale_free() {
-            solve_similar(&graph, map, keyframe, verified.matched, &here_from_there, params.loops.unit)
+            let motion = |sim: &Sim3| SE3::new(sim.rotation, sim.translation);
+            let poses = solve(&graph, map, ends, here_from_there, params.loops.unit, Sim3::from, motion);
+            graph.nodes.iter().zip(&poses).map(|(&id, pose)| corrected(id, pose)).collect()
         } else {
-            solve_rigid(&graph, map, keyframe, verified.matched, &rigid)
+            let poses = solve(&graph, map, ends, rigid, 1.0, |pose| pose, |pose| *pose);
+            let poses = graph.nodes.iter().zip(poses);
+            poses.map(|(&id, pose)| KeyframeCorrection::rigid(id, pose.normalized())).collect()
         };
         Correction { keyframes, ..Correction::default() }
     };
@@ -120,60 +126,32 @@ fn variances(motion: &SE3, unit: f64) -> [f64; 7] {
     [m, m, m, rad, rad, rad, SIGMA_LOG_SCALE * SIGMA_LOG_SCALE]
 }
 
-fn fixed_root(graph: &EssentialGraph, map: &Map) -> Vec<bool> {
-    graph.nodes.iter().map(|id| map.roots().contains(id)).collect()
-}
-
-fn solve_rigid(
+/// Poses of the graph with the motion from `there` to `here` as one more edge, roots fixed. `lift` makes a motion an
+/// element of the group, `motion` is the way back.
+fn solve<G, const D: usize>(
     graph: &EssentialGraph,
     map: &Map,
-    here: KeyframeId,
-    there: KeyframeId,
-    here_from_there: &SE3,
-) -> Vec<KeyframeCorrection> {
-    let edge = |a: usize, b: usize, b_from_a: SE3| PoseGraphEdge {
-        a: a as u32,
-        b: b as u32,
-        b_from_a,
-        information: Mat6::from_fn(|i, j| if i == j { 1.0 / variances(&b_from_a, 1.0)[i] } else { 0.0 }),
-    };
-    let mut edges: Vec<_> = graph.edges.iter().map(|e| edge(e.a, e.b, graph.b_from_a(e))).collect();
-    if let (Some(a), Some(b)) = (graph.index(there), graph.index(here)) {
-        edges.push(edge(a, b, *here_from_there));
-    }
-    let problem =
-        PoseGraphProblem { poses: graph.cam_from_world.clone(), fixed: fixed_root(graph, map), edges };
-    let solution = refine_pose_graph(&problem, &PoseGraphOptions::default());
-    let poses = graph.nodes.iter().zip(solution.poses);
-    poses.map(|(&id, pose)| KeyframeCorrection::rigid(id, pose.normalized())).collect()
-}
-
-fn solve_similar(
-    graph: &EssentialGraph,
-    map: &Map,
-    here: KeyframeId,
-    there: KeyframeId,
-    here_from_there: &Sim3,
+    [there, here]: [KeyframeId; 2],
+    here_from_there: G,
     unit: f64,
-) -> Vec<KeyframeCorrection> {
-    let edge = |a: usize, b: usize, b_from_a: Sim3| {
-        let variances = variances(&SE3::new(b_from_a.rotation, b_from_a.translation), unit);
-        PoseGraphEdge {
-            a: a as u32,
-            b: b as u32,
-            b_from_a,
-            information: Mat7::from_fn(|i, j| if i == j { 1.0 / variances[i] } else { 0.0 }),
-        }
+    lift: impl Fn(SE3) -> G,
+    motion: impl Fn(&G) -> SE3,
+) -> Vec<G>
+where
+    G: PoseGroup<Tangent = SVector<f64, D>, Matrix = SMatrix<f64, D, D>>,
+{
+    let edge = |a: usize, b: usize, b_from_a: G| {
+        let variances = variances(&motion(&b_from_a), unit);
+        let information = SMatrix::from_fn(|i, j| if i == j { 1.0 / variances[i] } else { 0.0 });
+        PoseGraphEdge { a: a as u32, b: b as u32, b_from_a, information }
     };
-    let mut edges: Vec<_> =
-        graph.edges.iter().map(|e| edge(e.a, e.b, Sim3::from(graph.b_from_a(e)))).collect();
+    let mut edges: Vec<_> = graph.edges.iter().map(|e| edge(e.a, e.b, lift(graph.b_from_a(e)))).collect();
     if let (Some(a), Some(b)) = (graph.index(there), graph.index(here)) {
-        edges.push(edge(a, b, *here_from_there));
+        edges.push(edge(a, b, here_from_there));
     }
-    let poses = graph.cam_from_world.iter().map(|&pose| Sim3::from(pose)).collect();
-    let problem = PoseGraphProblem { poses, fixed: fixed_root(graph, map), edges };
-    let solution = refine_pose_graph(&problem, &PoseGraphOptions::default());
-    graph.nodes.iter().zip(&solution.poses).map(|(&id, pose)| corrected(id, pose)).collect()
+    let poses = graph.cam_from_world.iter().map(|&pose| lift(pose)).collect();
+    let fixed = graph.nodes.iter().map(|id| map.roots().contains(id)).collect();
+    refine_pose_graph(&PoseGraphProblem { poses, fixed, edges }, &PoseGraphOptions::default()).poses
 }
 
 #[cfg(test)]

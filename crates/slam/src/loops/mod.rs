@@ -43,13 +43,6 @@ pub struct LoopCorrection {
     pub earlier_points: Vec<PointId>,
 }
 
-/// What closing a loop changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LoopReport {
-    /// Points merged or observed once more across the loop.
-    pub fused: usize,
-}
-
 /// Looks for loops, keyframe after keyframe, in the order of their ids.
 #[derive(Clone, Debug)]
 pub struct LoopCloser {

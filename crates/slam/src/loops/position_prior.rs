@@ -23,19 +23,15 @@ impl PositionPrior {
             let path_m = along.last().map_or(0.0, |(_, last, path)| path + (center - last).norm());
             along.push((keyframe.id, center, path_m));
         }
-        let mut prior = PositionPrior {
-            along,
-            current: None,
-            max_drift: params.max_drift,
-            margin_m: params.prior_margin_m,
-        };
-        prior.current = prior.find(current);
-        prior
+        let LoopParams { max_drift, prior_margin_m: margin_m, .. } = *params;
+        PositionPrior { current: find(&along, current), along, max_drift, margin_m }
     }
 
     /// Whether a keyframe is where the current one may be. A keyframe of another sub-map may be anywhere.
     pub(super) fn allows(&self, other: KeyframeId) -> bool {
-        let (Some((here, now)), Some((there, then))) = (self.current, self.find(other)) else { return true };
+        let (Some((here, now)), Some((there, then))) = (self.current, find(&self.along, other)) else {
+            return true;
+        };
         (here - there).norm() <= self.margin_m + self.max_drift * (now - then).abs()
     }
 
@@ -50,11 +46,11 @@ impl PositionPrior {
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         found.into_iter().map(|(_, id)| id).take(most).collect()
     }
+}
 
-    fn find(&self, keyframe: KeyframeId) -> Option<(Vec3, f64)> {
-        let at = self.along.binary_search_by_key(&keyframe, |k| k.0).ok()?;
-        Some((self.along[at].1, self.along[at].2))
-    }
+fn find(along: &[(KeyframeId, Vec3, f64)], keyframe: KeyframeId) -> Option<(Vec3, f64)> {
+    let at = along.binary_search_by_key(&keyframe, |k| k.0).ok()?;
+    Some((along[at].1, along[at].2))
 }
 
 /// The keyframes of a keyframe's sub-map, in order of their ids.

@@ -1,6 +1,5 @@
 //! Geometry of a loop candidate: matches by vocabulary node, weighted RANSAC, guided search, refinement, enough inliers.
 
-use features::Frame;
 use geometry::{RansacOptions, SE3, SightedPoints, Sim3, SimilarityEstimator, Vec2, Vec3, ransac};
 use map::{Keyframe, KeyframeId, Map, PointId};
 
@@ -54,13 +53,7 @@ pub(super) fn verify(
         return Err(NoLoop::TooFewMatches { found, needed });
     }
     let seed = SeedPurpose::LoopVerification.seed(params.seed, keyframe.0, candidate.0);
-    let (here_from_there, found) = similarity(here, there, map, &pairs, params, seed);
-    let (Some(here_from_there), needed) = (here_from_there, params.loops.min_ransac_inliers) else {
-        return Err(NoLoop::NoGeometry { found, needed: params.loops.min_ransac_inliers });
-    };
-    if found < needed {
-        return Err(NoLoop::NoGeometry { found, needed });
-    }
+    let here_from_there = similarity(here, there, map, &pairs, params, seed)?;
     let rigid = SE3::new(here_from_there.rotation, here_from_there.translation / here_from_there.scale);
     let mut verified = Verified {
         matched: candidate,
@@ -82,37 +75,24 @@ fn match_places(here: &Keyframe, there: &Keyframe, world: &World) -> Vec<(u32, u
     match_by_words(&here.frame, direct, Some(&with_point(here)), there, &world.places)
 }
 
-/// What one camera knows of the matched points.
-struct Sights {
-    points_cam: Vec<Vec3>,
-    pixels: Vec<Vec2>,
-    thresholds_sq: Vec<f64>,
+/// What one camera knows of the matched points: places in its frame, pixels, squared thresholds.
+fn sights(
+    keyframe: &Keyframe,
+    map: &Map,
+    features: impl Iterator<Item = u32>,
+) -> (Vec<Vec3>, Vec<Vec2>, Vec<f64>) {
+    let shown = features.filter_map(|i| Some((i as usize, map.point(keyframe.point_at(i)?)?)));
+    let (places, seen): (Vec<Vec3>, Vec<(Vec2, f64)>) = shown
+        .map(|(i, point)| {
+            let threshold_sq = CHI2 / keyframe.frame.inv_sigma_sq(i);
+            (keyframe.cam_from_world * point.position, (keyframe.frame.pixel(i), threshold_sq))
+        })
+        .unzip();
+    let (pixels, thresholds_sq) = seen.into_iter().unzip();
+    (places, pixels, thresholds_sq)
 }
 
-impl Sights {
-    fn new(keyframe: &Keyframe, map: &Map, features: impl Iterator<Item = u32>) -> Self {
-        let mut sights = Sights { points_cam: Vec::new(), pixels: Vec::new(), thresholds_sq: Vec::new() };
-        for feature in features {
-            let Some(point) = keyframe.point_at(feature).and_then(|id| map.point(id)) else { continue };
-            let i = feature as usize;
-            sights.points_cam.push(keyframe.cam_from_world * point.position);
-            sights.pixels.push(keyframe.frame.pixel(i));
-            sights.thresholds_sq.push(CHI2 / keyframe.frame.inv_sigma_sq(i));
-        }
-        sights
-    }
-
-    fn seen_by(&self, frame: &Frame) -> SightedPoints<'_> {
-        SightedPoints {
-            camera: frame.rig.stereo.camera,
-            points_cam: &self.points_cam,
-            pixels: &self.pixels,
-            thresholds_sq: &self.thresholds_sq,
-        }
-    }
-}
-
-/// `here_from_there` by RANSAC and the number of its inliers, matches weighted by the activation of both features.
+/// `here_from_there` by RANSAC, matches weighted by the activation of both features.
 fn similarity(
     here: &Keyframe,
     there: &Keyframe,
@@ -120,9 +100,12 @@ fn similarity(
     pairs: &[(u32, u32)],
     params: &Params,
     seed: u64,
-) -> (Option<Sim3>, usize) {
-    let a = Sights::new(here, map, pairs.iter().map(|p| p.0));
-    let b = Sights::new(there, map, pairs.iter().map(|p| p.1));
+) -> Result<Sim3, NoLoop> {
+    let [a, b] =
+        [sights(here, map, pairs.iter().map(|p| p.0)), sights(there, map, pairs.iter().map(|p| p.1))];
+    let [a, b] = [(here, &a), (there, &b)].map(|(keyframe, (points_cam, pixels, thresholds_sq))| {
+        SightedPoints { camera: keyframe.frame.rig.stereo.camera, points_cam, pixels, thresholds_sq }
+    });
     let weights: Vec<f64> = pairs
         .iter()
         .map(|&(i, j)| {
@@ -130,21 +113,16 @@ fn similarity(
             params.weights.of_sample(&here.frame, i) * params.weights.of_sample(&there.frame, j)
         })
         .collect();
-    let estimator = SimilarityEstimator::new(
-        a.seen_by(&here.frame),
-        b.seen_by(&there.frame),
-        params.sensor.is_scale_free(),
-    );
+    let estimator = SimilarityEstimator::new(a, b, params.sensor.is_scale_free());
     let options = RansacOptions {
         sample_size: SimilarityEstimator::SAMPLE_SIZE,
         max_iterations: 300,
         confidence: 0.99,
         seed,
     };
-    match ransac(&estimator, Some(&weights), &options) {
-        Some(found) => (Some(found.model), found.inliers.len()),
-        None => (None, 0),
-    }
+    let model = ransac(&estimator, Some(&weights), &options);
+    let (found, needed) = (model.as_ref().map_or(0, |m| m.inliers.len()), params.loops.min_ransac_inliers);
+    model.filter(|_| found >= needed).map(|m| m.model).ok_or(NoLoop::NoGeometry { found, needed })
 }
 
 /// Searches all points around the candidate with the pose known so far and refines it, in windows that narrow.
@@ -172,15 +150,9 @@ fn guided_refinement(
         verified.cam_from_world = refined.cam_from_world;
         verified.matches = refined.inliers;
     }
-    let needed = params.loops.min_inliers;
-    if found < needed {
-        return Err(NoLoop::TooFewInliers { found, needed, visible });
-    }
-    let needed = (params.loops.min_inlier_share * visible as f64).ceil() as usize;
-    if found < needed {
-        return Err(NoLoop::TooFewInliers { found, needed, visible });
-    }
-    Ok(())
+    let share = (params.loops.min_inlier_share * visible as f64).ceil() as usize;
+    let needed = params.loops.min_inliers.max(share);
+    if found < needed { Err(NoLoop::TooFewInliers { found, needed, visible }) } else { Ok(()) }
 }
 
 /// The median ratio of a point's distance here to the same point's distance in the scale of the earlier visit.

@@ -3,25 +3,24 @@
 use map::{KeyframeId, MapError};
 
 use super::Mapper;
-use crate::loops::{LoopCorrection, LoopReport};
+use crate::loops::LoopCorrection;
 
 /// Keyframes around the new side into which the earlier visit's points are projected.
 const NEIGHBOURS: usize = 10;
 
 impl Mapper {
-    pub(super) fn apply_loop(&mut self, found: &LoopCorrection) -> Result<LoopReport, MapError> {
+    pub(super) fn apply_loop(&mut self, found: &LoopCorrection) -> Result<(), MapError> {
         // The new side as it is before both sides share points.
         let around =
             self.world.map.keyframe(found.keyframe).map_or(&[][..], |kf| kf.best_covisible(NEIGHBOURS));
         let targets: Vec<KeyframeId> =
             std::iter::once(found.keyframe).chain(around.iter().map(|&(id, _)| id)).collect();
         self.world.map.apply_correction(&found.correction)?;
-        let mut fused = found.correction.merged.len();
         for target in targets {
-            fused += self.fuse_into(target, &found.earlier_points);
+            self.fuse_into(target, &found.earlier_points);
         }
         debug_assert_eq!(self.world.map.check(), Ok(()), "after the loop at keyframe {:?}", found.keyframe);
-        Ok(LoopReport { fused })
+        Ok(())
     }
 }
 

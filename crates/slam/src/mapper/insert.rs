@@ -7,6 +7,7 @@ use geometry::{SE3, Vec3};
 use map::{Batch, KeyframeId, NewKeyframe, NewPoint, Observation, Parent, PointId};
 
 use super::Mapper;
+use crate::params::MappingParams;
 use crate::tracker::{InitialPair, KeyframeRequest, Placement};
 
 impl Mapper {
@@ -20,19 +21,13 @@ impl Mapper {
         };
         let matches = self.world.map.resolve_matches(&request.matches);
         let keyframe = self.world.map.next_keyframe_id();
-        let points = depth_points(
-            &request.frame,
-            &cam_from_world,
-            &matches,
-            self.params.mapping.close_depth_m,
-            self.params.mapping.min_depth_points,
-        )
-        .into_iter()
-        .map(|(feature, position)| NewPoint {
-            position,
-            observations: vec![Observation { keyframe, feature }],
-        })
-        .collect();
+        let points = depth_points(&request.frame, &cam_from_world, &matches, &self.params.mapping)
+            .into_iter()
+            .map(|(feature, position)| NewPoint {
+                position,
+                observations: vec![Observation { keyframe, feature }],
+            })
+            .collect();
         let batch = Batch {
             keyframe: Some(NewKeyframe { frame: request.frame.clone(), cam_from_world, matches, parent }),
             points,
@@ -70,13 +65,12 @@ impl Mapper {
 }
 
 /// Positions for unmatched features with depth, nearest first: all that are close, and in any case until matched and
-/// new points with depth are `min_points`.
+/// new points with depth are enough.
 fn depth_points(
     frame: &Frame,
     cam_from_world: &SE3,
     matches: &[(u32, PointId)],
-    close_depth_m: f64,
-    min_points: usize,
+    params: &MappingParams,
 ) -> Vec<(u32, Vec3)> {
     let mut matched = vec![false; frame.len()];
     for &(feature, _) in matches {
@@ -87,7 +81,7 @@ fn depth_points(
     let world_from_cam = cam_from_world.inverse();
     let mut points = Vec::new();
     for (rank, &feature) in by_depth.iter().enumerate() {
-        if f64::from(frame.depth[feature]) > close_depth_m && rank >= min_points {
+        if f64::from(frame.depth[feature]) > params.close_depth_m && rank >= params.min_depth_points {
             break;
         }
         if !matched[feature]

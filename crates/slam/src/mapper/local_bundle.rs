@@ -4,25 +4,17 @@ use geometry::{SE3, Vec3};
 use map::{KeyframeId, PointId};
 use optim::{BundleOptions, BundleProblem, BundleSolution, refine_bundle};
 
-use super::Mapper;
+use super::{Mapper, MappingReport};
 use crate::problem::MapProblem;
 use crate::search::points_of;
 
-/// What the adjustment moved.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Adjusted {
-    pub(super) keyframes: usize,
-    pub(super) points: usize,
-    pub(super) outliers: usize,
-}
-
 impl Mapper {
     /// Optimises around `keyframe`: robustly, then without the outliers; outlier observations are unlinked.
-    pub(super) fn adjust(&mut self, keyframe: KeyframeId) -> Adjusted {
+    pub(super) fn adjust(&mut self, keyframe: KeyframeId) -> MappingReport {
         if self.world.map.n_keyframes() < 2 {
-            return Adjusted::default();
+            return MappingReport::default();
         }
-        let Some(local) = self.local_problem(keyframe) else { return Adjusted::default() };
+        let Some(local) = self.local_problem(keyframe) else { return MappingReport::default() };
         let mapping = &self.params.mapping;
         let robust =
             BundleOptions { max_iterations: mapping.first_iterations, robust: true, ..Default::default() };
@@ -60,7 +52,7 @@ impl Mapper {
     }
 
     /// Writes the solution into the map and unlinks the observations that do not agree with it.
-    fn write_back(&mut self, local: &MapProblem, solution: &BundleSolution) -> Adjusted {
+    fn write_back(&mut self, local: &MapProblem, solution: &BundleSolution) -> MappingReport {
         let moved: Vec<(KeyframeId, SE3)> = (0..local.keyframes.len())
             .filter(|&i| !local.problem.fixed[i])
             .map(|i| (local.keyframes[i], solution.cameras[i].normalized()))
@@ -68,7 +60,7 @@ impl Mapper {
         let positions: Vec<(PointId, Vec3)> =
             local.points.iter().copied().zip(solution.points.iter().copied()).collect();
         if self.world.map.set_estimates(&moved, &positions).is_err() {
-            return Adjusted::default();
+            return MappingReport::default();
         }
         let mut outliers = 0;
         // Also those that the last adjustment left out: they may agree by now.
@@ -78,7 +70,8 @@ impl Mapper {
             let keyframe = local.keyframes[observation.camera as usize];
             outliers += usize::from(self.world.map.unlink(point, keyframe).is_ok());
         }
-        Adjusted { keyframes: moved.len(), points: positions.len(), outliers }
+        let (adjusted_keyframes, adjusted_points) = (moved.len(), positions.len());
+        MappingReport { adjusted_keyframes, adjusted_points, outliers, ..MappingReport::default() }
     }
 }
 

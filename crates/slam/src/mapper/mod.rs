@@ -11,7 +11,7 @@ mod triangulate_pair;
 
 use map::{KeyframeId, MapError, PointCount, PointId};
 
-use crate::loops::{GlobalSolution, LoopCorrection, LoopReport};
+use crate::loops::{GlobalSolution, LoopCorrection};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::tracker::KeyframeRequest;
@@ -84,26 +84,14 @@ impl Mapper {
         let adjusted = staged(probe, Stage::LocalBundle, || self.adjust(keyframe));
         let culled_keyframes = staged(probe, Stage::CullKeyframes, || self.cull_keyframes(keyframe));
         debug_assert_eq!(self.world.map.check(), Ok(()), "after keyframe {keyframe:?}");
-        MappingReport {
-            culled_points,
-            triangulated,
-            fused,
-            adjusted_keyframes: adjusted.keyframes,
-            adjusted_points: adjusted.points,
-            outliers: adjusted.outliers,
-            culled_keyframes,
-        }
+        MappingReport { culled_points, triangulated, fused, culled_keyframes, ..adjusted }
     }
 
     /// Applies a loop to the map as it is now and fuses what both of its sides see.
     ///
     /// # Errors
     /// When the map refuses the correction; it is then as it was.
-    pub fn close_loop(
-        &mut self,
-        found: &LoopCorrection,
-        probe: &mut dyn Probe,
-    ) -> Result<LoopReport, MapError> {
+    pub fn close_loop(&mut self, found: &LoopCorrection, probe: &mut dyn Probe) -> Result<(), MapError> {
         staged(probe, Stage::LoopClose, || self.apply_loop(found))
     }
 

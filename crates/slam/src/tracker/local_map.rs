@@ -6,7 +6,8 @@ use features::{Frame, WindowMatch};
 use geometry::SE3;
 use map::{KeyframeId, Map, PointCount, PointId};
 
-use super::predict::Prediction;
+use super::TrackStats;
+use super::predict::{Attempt, Prediction};
 use crate::params::{Params, TrackingParams};
 use crate::pose::{RefinedPose, refine};
 use crate::search::{Found, MAX_DISTANCE_WIDE, points_of, search_points_with};
@@ -43,15 +44,8 @@ pub(crate) struct LocallyTracked {
     pub(crate) matches: Vec<(u32, PointId)>,
     /// All matches, inliers or not, sorted by feature.
     pub(crate) matched: Vec<(u32, PointId)>,
-    pub(crate) n_points: usize,
     pub(crate) counts: Vec<PointCount>,
-}
-
-/// What one search of the local map gave.
-struct Searched {
-    visible: Vec<PointId>,
-    refined: RefinedPose,
-    matched: Vec<(u32, PointId)>,
+    pub(crate) stats: TrackStats,
 }
 
 impl LocalMap {
@@ -91,25 +85,33 @@ impl LocalMap {
     ) -> LocallyTracked {
         let factor = params.tracking.local_radius_factor;
         let mut start = predicted.clone();
-        if predicted.without_motion_model {
+        if predicted.attempt != Attempt::Motion {
             // A rough pose: a first search in wide windows makes it a good one.
-            let wide =
-                self.search_and_refine(frame, map, &start, factor.max(WIDENING_WITHOUT_MOTION), params);
-            start.cam_from_world = wide.refined.cam_from_world;
-            start.matches = wide.refined.inliers;
+            let factor = factor.max(WIDENING_WITHOUT_MOTION);
+            let (_, wide) = self.search_and_refine(frame, map, &start, factor, params);
+            (start.cam_from_world, start.matches) = (wide.cam_from_world, wide.inliers);
         }
-        let Searched { visible, refined, matched } =
-            self.search_and_refine(frame, map, &start, factor, params);
+        let (found, refined) = self.search_and_refine(frame, map, &start, factor, params);
+        let counts = count(&found.visible, &start.matches, &refined.inliers);
+        let stats = TrackStats {
+            predicted: predicted.matches.len(),
+            local_points: self.points.len(),
+            visible: counts.len(),
+            matches: found.matches.len(),
+            inliers: refined.inliers.len(),
+            without_motion_model: predicted.attempt != Attempt::Motion,
+            relocalised: predicted.attempt == Attempt::Relocalization,
+        };
         let reference_from_world =
             map.keyframe(self.reference).map_or(SE3::identity(), |kf| kf.cam_from_world);
         LocallyTracked {
             cam_from_world: refined.cam_from_world,
             reference: self.reference,
             cam_from_reference: (refined.cam_from_world * reference_from_world.inverse()).normalized(),
-            counts: count(&visible, &start.matches, &refined.inliers),
-            matched,
-            n_points: self.points.len(),
+            matched: found.matches,
             matches: refined.inliers,
+            counts,
+            stats,
         }
     }
 
@@ -121,16 +123,16 @@ impl LocalMap {
         start: &Prediction,
         factor: f32,
         params: &Params,
-    ) -> Searched {
+    ) -> (Found, RefinedPose) {
         let radius_px = |seen: &Projection| {
             let radius = if seen.view_cos > HEAD_ON_COS { RADIUS_HEAD_ON_PX } else { RADIUS_OBLIQUE_PX };
             radius * factor
         };
         let Prediction { cam_from_world, matches, .. } = start;
-        let Found { matches, visible } =
+        let found =
             search_points_with(frame, map, cam_from_world, &self.points, matches, radius_px, is_clear);
-        let refined = refine(frame, map, *cam_from_world, &matches, params.noise());
-        Searched { visible, refined, matched: matches }
+        let refined = refine(frame, map, *cam_from_world, &found.matches, params.noise());
+        (found, refined)
     }
 }
 

@@ -26,7 +26,7 @@ pub(crate) use keyframe_policy::stereo_observations;
 use last_frame::LastFrame;
 use local_map::{LocalMap, LocallyTracked};
 use motion_model::MotionModel;
-use predict::{Attempt, Prediction};
+use predict::Attempt;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,26 +159,24 @@ impl Tracker {
             return self.start(frame, SE3::identity());
         }
         match self.find_pose(frame, world, last.as_ref(), probe) {
-            Ok((local, stats)) => self.accept(frame, map, last.as_ref(), local, stats, mapper_idle, probe),
+            Ok(local) => self.accept(frame, map, last.as_ref(), local, mapper_idle, probe),
             Err(lost) => self.lose(frame, map, last, lost),
         }
     }
 
     /// The frame has a pose: remembers it, and decides whether it becomes a keyframe.
-    #[allow(clippy::too_many_arguments, reason = "everything that is known of the frame")]
     fn accept(
         &mut self,
         frame: &Arc<Frame>,
         map: &Map,
         last: Option<&LastFrame>,
         local: LocallyTracked,
-        stats: TrackStats,
         mapper_idle: bool,
         probe: &mut dyn Probe,
     ) -> Tracked {
         self.lost_frames = 0;
         self.initializer = None;
-        self.velocity = last.filter(|_| !stats.relocalised).map(|last| {
+        self.velocity = last.filter(|_| !local.stats.relocalised).map(|last| {
             let seconds = last.seconds_to(frame);
             MotionModel::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
         });
@@ -200,7 +198,7 @@ impl Tracker {
             pose: Some(pose),
             counts: local.counts,
             keyframe,
-            stats,
+            stats: local.stats,
             matched: local.matched,
             inliers: local.matches,
         }
@@ -214,38 +212,42 @@ impl Tracker {
         world: &World,
         last: Option<&LastFrame>,
         probe: &mut dyn Probe,
-    ) -> Result<(LocallyTracked, TrackStats), Lost> {
+    ) -> Result<LocallyTracked, Lost> {
         let attempts = match (last, self.velocity) {
             (Some(_), Some(_)) => &[Attempt::Motion, Attempt::ReferenceKeyframe, Attempt::Relocalization][..],
             (Some(_), None) => &[Attempt::ReferenceKeyframe, Attempt::Motion, Attempt::Relocalization],
             (None, _) => &[Attempt::Relocalization],
         };
-        let map = &world.map;
         let mut reason: Option<Lost> = None;
         for &attempt in attempts {
-            let lost =
-                match staged(probe, Stage::Predict, || self.predict(attempt, frame, world, last)) {
-                    Err(lost) => lost,
-                    Ok(predicted) => {
-                        let fallback = last.map_or(KeyframeId(0), |last| last.pose.keyframe);
-                        let local =
-                            staged(probe, Stage::LocalMap, || {
-                                LocalMap::gather(map, &predicted.matches, fallback, &self.params.tracking)
-                                    .track(frame, map, &predicted, &self.params)
-                            });
-                        let (found, needed) = (local.matches.len(), self.params.tracking.min_inliers);
-                        if found >= needed {
-                            let relocalised = attempt == Attempt::Relocalization;
-                            let stats = TrackStats { relocalised, ..stats_of(&predicted, &local) };
-                            return Ok((local, stats));
-                        }
-                        Lost::TooFewLocalInliers { found, needed }
-                    }
-                };
+            let lost = match self.attempt(attempt, frame, world, last, probe) {
+                Ok(local) => return Ok(local),
+                Err(lost) => lost,
+            };
             reason = Some(reason.map_or(lost, |earlier| earlier.further(lost)));
         }
         Err(reason
             .unwrap_or(Lost::TooFewMatches { found: 0, needed: self.params.tracking.min_reference_matches }))
+    }
+
+    /// One way of prediction, confirmed by the local map.
+    fn attempt(
+        &self,
+        attempt: Attempt,
+        frame: &Frame,
+        world: &World,
+        last: Option<&LastFrame>,
+        probe: &mut dyn Probe,
+    ) -> Result<LocallyTracked, Lost> {
+        let (map, tracking) = (&world.map, &self.params.tracking);
+        let predicted = staged(probe, Stage::Predict, || self.predict(attempt, frame, world, last))?;
+        let fallback = last.map_or(KeyframeId(0), |last| last.pose.keyframe);
+        let local = staged(probe, Stage::LocalMap, || {
+            let local = LocalMap::gather(map, &predicted.matches, fallback, tracking);
+            local.track(frame, map, &predicted, &self.params)
+        });
+        let (found, needed) = (local.matches.len(), tracking.min_inliers);
+        if found >= needed { Ok(local) } else { Err(Lost::TooFewLocalInliers { found, needed }) }
     }
 
     /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth, or for the first
@@ -310,17 +312,5 @@ fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
         stats: TrackStats::default(),
         matched: Vec::new(),
         inliers: Vec::new(),
-    }
-}
-
-fn stats_of(predicted: &Prediction, local: &LocallyTracked) -> TrackStats {
-    TrackStats {
-        predicted: predicted.matches.len(),
-        local_points: local.n_points,
-        visible: local.counts.len(),
-        matches: local.matched.len(),
-        inliers: local.matches.len(),
-        without_motion_model: predicted.without_motion_model,
-        relocalised: false,
     }
 }

@@ -25,12 +25,13 @@ pub(crate) struct Prediction {
     pub(crate) cam_from_world: SE3,
     /// Inlier matches, sorted by feature.
     pub(crate) matches: Vec<(u32, PointId)>,
-    pub(crate) without_motion_model: bool,
+    /// How it was found.
+    pub(crate) attempt: Attempt,
 }
 
 /// A way to predict a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Attempt {
+pub(crate) enum Attempt {
     /// The last frame's points, searched where a constant velocity puts them.
     Motion,
     /// Descriptors matched against the keyframes around the last one, without any prediction.
@@ -51,9 +52,9 @@ impl Tracker {
         match (attempt, last) {
             (Attempt::Motion, Some(last)) => self.predict_by_motion(frame, &world.map, last),
             (Attempt::ReferenceKeyframe, Some(last)) => {
-                track_reference_keyframe(frame, &world.map, last, &self.params).map(Prediction::recovered)
+                Ok(attempt.gave(track_reference_keyframe(frame, &world.map, last, &self.params)?))
             }
-            _ => relocalize(frame, world, &self.params).map(Prediction::recovered),
+            _ => Ok(attempt.gave(relocalize(frame, world, &self.params)?)),
         }
     }
 
@@ -92,15 +93,15 @@ impl Tracker {
             }
             let matches =
                 agreeing.filter_map(|(&(f, source), _)| sources[source].id.map(|id| (f, id))).collect();
-            return Ok(Prediction { cam_from_world, matches, without_motion_model: false });
+            return Ok(Prediction { cam_from_world, matches, attempt: Attempt::Motion });
         }
         Err(lost)
     }
 }
 
-impl Prediction {
-    fn recovered(pose: RefinedPose) -> Self {
-        Prediction { cam_from_world: pose.cam_from_world, matches: pose.inliers, without_motion_model: true }
+impl Attempt {
+    fn gave(self, pose: RefinedPose) -> Prediction {
+        Prediction { cam_from_world: pose.cam_from_world, matches: pose.inliers, attempt: self }
     }
 }
 

@@ -11,10 +11,17 @@ fn depths(depths: &[f64]) -> Scene {
     Scene::at((0..).zip(depths).map(|(i, &z)| Vec3::new(0.1 * f64::from(i), 0.0, z)).collect())
 }
 
-fn chosen(scene: &Scene, shots: &[Shot], matched: &[u32], close_depth_m: f64, min_points: usize) -> Vec<u32> {
+fn chosen(
+    scene: &Scene,
+    shots: &[Shot],
+    matched: &[u32],
+    close_depth_m: f64,
+    min_depth_points: usize,
+) -> Vec<u32> {
     let frame = scene.frame(0, &SE3::identity(), shots);
     let matches: Vec<(u32, PointId)> = matched.iter().map(|&i| (i, PointId(i))).collect();
-    let points = depth_points(&frame, &SE3::identity(), &matches, close_depth_m, min_points);
+    let params = MappingParams { close_depth_m, min_depth_points, ..params().mapping };
+    let points = depth_points(&frame, &SE3::identity(), &matches, &params);
     points.into_iter().map(|(feature, _)| feature).collect()
 }
 
@@ -44,7 +51,7 @@ fn positions_are_in_the_world() {
     let scene = depths(&[10.0, 12.0]);
     let pose = at(0.3, -0.2, 1.0);
     let frame = scene.whole(0, &pose);
-    for (feature, position) in depth_points(&frame, &pose, &[], 20.0, 0) {
+    for (feature, position) in depth_points(&frame, &pose, &[], &params().mapping) {
         let error = (position - scene.landmarks[feature as usize]).norm();
         assert!(error < 1e-3, "{error} m");
     }

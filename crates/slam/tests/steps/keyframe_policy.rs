@@ -96,8 +96,8 @@ fn decided(
         cam_from_reference: SE3::identity(),
         matched: matches.clone(),
         matches,
-        n_points: 40,
         counts: Vec::new(),
+        stats: super::super::TrackStats::default(),
     };
     let mut tracker = Tracker::new(params.clone());
     tracker.last_keyframe_index = frame.index;

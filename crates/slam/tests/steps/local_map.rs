@@ -54,12 +54,12 @@ fn its_points_are_those_of_all_local_keyframes() {
 }
 
 /// A wall of landmarks seen by two keyframes, and a frame of these shots tracked in it from a pose that is `off`.
-fn tracked(shots: &[Shot], off: &SE3, without_motion_model: bool) -> LocallyTracked {
+fn tracked(shots: &[Shot], off: &SE3, attempt: Attempt) -> LocallyTracked {
     let scene = Scene::wall(60);
     let map = scene.map(&[SE3::identity(), at(0.3, 0.0, 0.0)]);
     let frame = scene.frame(2, &truth(), shots);
     let matches: Vec<(u32, PointId)> = (0..10).map(|i| (i, PointId(i))).collect();
-    let predicted = Prediction { cam_from_world: *off * truth(), matches, without_motion_model };
+    let predicted = Prediction { cam_from_world: *off * truth(), matches, attempt };
     gathered(&map, &[0, 1, 2], 80).track(&frame, &map, &predicted, &params())
 }
 
@@ -74,9 +74,9 @@ fn all() -> Vec<Shot> {
 #[test]
 fn the_other_points_are_found_and_the_pose_rests_on_all() {
     let off = SE3::new(geometry::SO3::identity(), geometry::Vec3::new(0.02, 0.0, 0.0));
-    let local = tracked(&all(), &off, false);
+    let local = tracked(&all(), &off, Attempt::Motion);
     assert!(gap(&local.cam_from_world, &truth()) < 1e-3);
-    assert_eq!((local.matches.len(), local.matched.len(), local.n_points), (60, 60, 60));
+    assert_eq!((local.matches.len(), local.matched.len(), local.stats.local_points), (60, 60, 60));
     assert_eq!(local.counts.len(), 60);
     assert!(local.counts.iter().all(|c| c.seen == 1 && c.found == 1));
     assert_eq!(local.reference, KeyframeId(0));
@@ -88,7 +88,7 @@ fn an_outlier_is_matched_but_not_found() {
     let mut shots = all();
     // 3.4 px at octave 2: within the window of 2.5 px * 1.44, beyond the gate of 2.8 * 0.7 px * 1.44.
     shots[20].shift_px = [0.0, 3.4];
-    let local = tracked(&shots, &SE3::identity(), false);
+    let local = tracked(&shots, &SE3::identity(), Attempt::Motion);
     let is_20 = |m: &&(u32, PointId)| m.0 == 20;
     assert_eq!(
         (local.matched.iter().filter(is_20).count(), local.matches.iter().filter(is_20).count()),
@@ -102,9 +102,9 @@ fn an_outlier_is_matched_but_not_found() {
 fn windows_are_wide_after_a_prediction_without_motion_model() {
     // 0.2 m at 10 m are 10 px: beyond 4 * 1.73, within five times that.
     let off = SE3::new(geometry::SO3::identity(), geometry::Vec3::new(0.2, 0.0, 0.0));
-    let matched = |without_motion_model| tracked(&all(), &off, without_motion_model).matched.len();
-    assert_eq!(matched(false), 10, "the given ones");
-    assert_eq!(matched(true), 60);
+    let matched = |attempt| tracked(&all(), &off, attempt).matched.len();
+    assert_eq!(matched(Attempt::Motion), 10, "the given ones");
+    assert_eq!(matched(Attempt::ReferenceKeyframe), 60);
 }
 
 fn find(best: (u32, u8), second: Option<(u32, u8)>) -> WindowMatch {
@@ -128,9 +128,9 @@ fn points_seen_head_on_have_narrow_windows() {
     let found = |x: f64, shift: f64| {
         let frame = scene.frame(2, &at(x, 0.0, 0.0), &[Shot { shift_px: [0.0, shift], ..shot(0) }]);
         let start =
-            Prediction { cam_from_world: at(x, 0.0, 0.0), matches: Vec::new(), without_motion_model: false };
+            Prediction { cam_from_world: at(x, 0.0, 0.0), matches: Vec::new(), attempt: Attempt::Motion };
         let local = LocalMap { reference: KeyframeId(0), points: vec![PointId(0)] };
-        !local.search_and_refine(&frame, &map, &start, 1.0, &params()).matched.is_empty()
+        !local.search_and_refine(&frame, &map, &start, 1.0, &params()).0.matches.is_empty()
     };
     // Octave 2 or 3: 2.5 px become 3.6 or 4.3, 4 px become 5.8 or 6.9. Head-on is up to 3.6 degrees, 0.63 m aside.
     assert!(found(0.0, 3.5) && !found(0.0, 4.6));

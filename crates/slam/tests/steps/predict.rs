@@ -91,7 +91,7 @@ fn the_last_motion_goes_on() {
     assert!(gap(&found.cam_from_world, &pose) < 1e-3);
     let expected: Vec<(u32, PointId)> = (0..N as u32 / 2).map(|i| (i, PointId(i))).collect();
     assert_eq!(found.matches, expected, "features with depth help, but are no map points");
-    assert!(!found.without_motion_model);
+    assert_eq!(found.attempt, Attempt::Motion);
     let lost = predicted(&pose, None, &all(N), &params()).unwrap_err();
     assert_eq!(lost, Lost::TooFewMatches { found: 0, needed: 20 });
     assert!(predicted(&pose, Some(pose.inverse()), &all(N), &params()).is_err(), "the other way");

@@ -86,11 +86,13 @@ fn the_judgement_may_depend_on_the_key() {
 #[test]
 fn matches_that_turn_otherwise_are_dropped() {
     let scene = Scene::wall(12);
-    let shots: Vec<Shot> =
-        (0..12).map(|i| Shot { angle_deg: if i == 7 { 200.0 } else { 15.0 }, ..shot(i) }).collect();
+    let shots: Vec<Shot> = (0..12)
+        .map(|i| Shot { angle_deg: if i == 7 { 200.0 } else { 25.0 * i as f32 }, ..shot(i) })
+        .collect();
     let frame = scene.frame(0, &SE3::identity(), &shots);
-    let matches: Vec<(u32, u8)> = (0..12).map(|i| (i, 25)).collect();
-    let kept = consistent_in_rotation(&frame, matches, |&angle| f32::from(angle));
+    // All the others have turned by 40 degrees.
+    let matches: Vec<(u32, u32)> = (0..12).map(|i| (i, 25 * i + 40)).collect();
+    let kept = consistent_in_rotation(&frame, matches, |&angle| angle as f32);
     assert_eq!(kept.len(), 11);
     assert!(kept.iter().all(|&(feature, _)| feature != 7));
 }

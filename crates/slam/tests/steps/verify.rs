@@ -9,7 +9,7 @@ use crate::scene::{Scene, Shot, add, at, described, gap, params, shot};
 /// True poses of the two visits' keyframes.
 fn poses() -> [SE3; 2] {
     let turned = SO3::exp(&Vec3::new(0.0, 0.05, 0.02));
-    [SE3::identity(), SE3::new(turned, Vec3::new(-0.4, 0.1, 0.2))]
+    [SE3::identity(), SE3::new(turned, Vec3::new(-1.2, 0.1, 0.2))]
 }
 
 /// Two keyframes that see a wall of `n` landmarks, each with points of its own. The second has drifted by `drift` (points
