@@ -1,86 +1,13 @@
 //! A run over frames that are partly unusable: what is dropped, with which reason, and what is still there at the end.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first problem")]
 
-use std::sync::Arc;
+mod common;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use dsslam_runtime::{
-    Event, FrameFeed, FrameInfo, FrameStatus, Observer, RunError, Schedule, Setup, Silent, Unusable, run,
-};
-use features::{ExtractorConfig, Rig};
-use geometry::{Distortion, GrayImage, Pinhole, Sensor, StereoRig};
-use io::{ImageError, LoadedFrame};
-use slam::{NotReady, Params};
-
-const WIDTH: usize = 320;
-const HEIGHT: usize = 200;
-
-/// What the feed gives for a frame.
-#[derive(Clone, Copy)]
-enum Kind {
-    Good,
-    Black,
-    Broken,
-    NoRight,
-    OtherSize,
-}
-
-/// A camera that stands still before a wall of blocks, 12 pixels of disparity away.
-struct Feed(Vec<Kind>);
-
-impl FrameFeed for Feed {
-    fn size_hint(&self) -> Option<usize> {
-        Some(self.0.len())
-    }
-
-    fn info(&self, i: usize) -> FrameInfo {
-        FrameInfo { index: i as u32, timestamp_s: i as f64 * 0.1 }
-    }
-
-    fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {
-        let black = GrayImage::new(WIDTH, HEIGHT, 0);
-        let (left, right) = match self.0[i] {
-            Kind::Good => (wall(0), Some(wall(12))),
-            Kind::Black => (black.clone(), Some(black)),
-            Kind::Broken => return Err(broken()),
-            Kind::NoRight => (wall(0), None),
-            Kind::OtherSize => (wall(0), Some(GrayImage::new(WIDTH / 2, HEIGHT, 0))),
-        };
-        Ok(LoadedFrame { left, right, depth: None })
-    }
-}
-
-fn broken() -> Unusable {
-    ImageError::Unreadable { path: "left.png".into(), reason: "unexpected end of file".into() }.into()
-}
-
-/// Blocks of random-looking brightness, moved left by `shift` pixels.
-fn wall(shift: usize) -> GrayImage {
-    let shade = |x: usize, y: usize| {
-        let mut h = ((x / 7) as u32).wrapping_mul(0x9E37_79B1) ^ ((y / 6) as u32).wrapping_mul(0x85EB_CA77);
-        h ^= h >> 15;
-        h = h.wrapping_mul(0x2C1B_3C6D);
-        (h >> 24) as u8
-    };
-    let mut image = GrayImage::new(WIDTH, HEIGHT, 0);
-    for y in 0..HEIGHT {
-        for x in 0..WIDTH {
-            image.data[y * WIDTH + x] = shade(x + shift, y);
-        }
-    }
-    image
-}
-
-fn setup() -> Setup {
-    let camera = Pinhole { fx: 300.0, fy: 300.0, cx: 160.0, cy: 100.0 };
-    let stereo = StereoRig { camera, baseline_m: 0.5 };
-    let rig = Rig { stereo, distortion: Distortion::default(), width: WIDTH, height: HEIGHT };
-    Setup {
-        extractor: ExtractorConfig { keep: 500, ..ExtractorConfig::default() },
-        schedule: Schedule::Sequential,
-        ..Setup::new(Sensor::Stereo, Arc::new(rig), Params::stereo(40.0, 10.0))
-    }
-}
+use common::{Feed, Kind, broken, setup};
+use dsslam_runtime::{Event, FrameStatus, Observer, RunError, Schedule, Setup, Silent, run};
+use slam::NotReady;
 
 #[test]
 fn unusable_frames_are_dropped_with_their_reasons() {
