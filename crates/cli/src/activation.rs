@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 
 use dsfeat::heat_map;
-use features::Keypoint;
+use features::{Keypoint, SelectionRule};
 use geometry::{GrayImage, Raster};
-use io::FeatureSelection;
 
 use crate::args::ActivationArgs;
 use crate::console;
@@ -26,8 +25,8 @@ const GAP: usize = 6;
 pub(crate) fn run(args: &ActivationArgs) -> Result<Exit, Failure> {
     let mut config = args.settings.load().or_input()?;
     config.features.keep = args.keep as usize;
-    if config.features.selection == FeatureSelection::Response {
-        config.features.selection = FeatureSelection::Activation;
+    if config.features.selection == SelectionRule::Response {
+        config.features.selection = SelectionRule::Activation;
     }
     let mut picture = stage::picture(&args.image, None, &config).or_input()?;
     let selected = Selected::of(&mut picture, &args.network).or_input()?;

@@ -5,11 +5,20 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::Args;
-use io::{Config, Explained, Provenance};
+use dsslam::Config;
+use io::{Explained, Provenance};
 
 use crate::args::ConfigAction;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
+
+/// Arguments of `dsslam config default`.
+#[derive(Debug, Args)]
+pub(crate) struct DefaultArgs {
+    /// Prints all keys, also those for people who know the algorithms.
+    #[arg(long)]
+    expert: bool,
+}
 
 /// Arguments of `dsslam config check`.
 #[derive(Debug, Args)]
@@ -23,9 +32,12 @@ pub(crate) struct CheckArgs {
     /// A sequence, whose calibration wins over the file's camera.
     #[arg(long, value_name = "SEQUENCE")]
     sequence: Option<PathBuf>,
-    /// Shows only what is no default.
+    /// Shows only what differs from the defaults.
     #[arg(long)]
     changed: bool,
+    /// Shows all keys, also those for people who know the algorithms.
+    #[arg(long, conflicts_with = "changed")]
+    expert: bool,
     /// Prints the complete configuration as YAML instead, as `dsslam run` writes it into its results.
     #[arg(long, conflicts_with = "changed")]
     yaml: bool,
@@ -37,10 +49,7 @@ pub(crate) struct CheckArgs {
 /// Everything that is wrong with the file, at once.
 pub(crate) fn run(action: &ConfigAction) -> Result<Exit, Failure> {
     match action {
-        ConfigAction::Default => {
-            let config = Config::load(None, &[]).or_input()?;
-            console::say(config.to_yaml().trim_end());
-        }
+        ConfigAction::Default(args) => console::say(default_yaml(args.expert).trim_end()),
         ConfigAction::Check(args) => {
             let (config, notices) = load(args).or_input()?;
             notices.iter().for_each(|notice| console::note(console::warning(notice)));
@@ -49,6 +58,17 @@ pub(crate) fn run(action: &ConfigAction) -> Result<Exit, Failure> {
         }
     }
     Ok(Exit::Done)
+}
+
+/// The default configuration: all keys, or those of everyday use.
+fn default_yaml(expert: bool) -> String {
+    let config = Config::default();
+    if expert {
+        return config.to_yaml();
+    }
+    let (hidden, shown): (Vec<_>, Vec<_>) = config.explain().into_iter().partition(|key| key.entry.is_expert);
+    let title = format!("Default configuration; --expert lists {} further keys.", hidden.len());
+    io::to_yaml(&title, &shown)
 }
 
 /// The configuration in force, with a notice for each value that the sequence replaces.
@@ -63,11 +83,14 @@ fn load(args: &CheckArgs) -> Result<(Config, Vec<String>)> {
     Ok((config, notices))
 }
 
-/// Every key with its value, its origin and its meaning.
+/// Keys with their values, origins and meanings: those of everyday use, and whatever somebody has set.
 fn explanation(args: &CheckArgs, config: &Config) -> String {
     let all = config.explain();
     let mut text = headline(args.file.as_deref(), &all);
-    let shown = all.iter().filter(|key| !args.changed || *key.place != Provenance::Default);
+    let shown = all.iter().filter(|key| match key.place {
+        Provenance::Default => args.expert || !(args.changed || key.entry.is_expert),
+        _ => true,
+    });
     let values: Vec<(String, &Explained<'_>)> = shown.map(|key| (value(key), key)).collect();
     let width = values.iter().map(|(value, _)| value.chars().count()).max().unwrap_or(0);
     let mut section = None;

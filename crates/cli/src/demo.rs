@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use dsslam::Config;
 use dsslam::{Session, SessionOptions};
-use io::Config;
 
 use crate::args::DemoArgs;
 use crate::clock::StopWatch;

@@ -118,6 +118,7 @@ pub(crate) fn config() -> String {
         "\
 Examples:
   dsslam config default > my.yaml
+  dsslam config default --expert
   dsslam config check my.yaml
   dsslam config check my.yaml --sequence kitti/sequences/06 --changed",
     )

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use geometry::{Distortion, Pinhole, SE3, StereoRig};
-use io::{Calibration, Config, ImageSize, Sensor, Sequence, SequenceKind};
+use io::{Calibration, ImageSize, Sensor, Sequence, SequenceKind};
 
-use crate::{Error, Input};
+use crate::{Config, Error, Input};
 
 /// Sensor, image size and calibration.
 ///

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use bow::{FormatError, VocabularyError};
-use io::{CameraError, ConfigErrors, DatasetError, FileError, ImageError, ImageSize, Sensor, VideoError};
+use io::{ConfigErrors, DatasetError, FileError, ImageError, ImageSize, Sensor, VideoError};
 use map::MapFileError;
 use runtime::{RunEnded, RunError, StageFailure};
+
+use crate::CameraError;
 
 /// Why something cannot be used. The message names the file or the key, what was found and what was expected.
 #[derive(Debug, thiserror::Error)]

@@ -4,15 +4,15 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use features::{Extractor, Rig};
-use io::{Config, FeatureSettings, OpenOptions, Sensor, Sequence};
+use features::{Extractor, ExtractorConfig, Rig};
+use io::{OpenOptions, Sensor, Sequence};
 use runtime::{FrameFeed, SequenceFeed, Setup};
 use synth::World;
 
 use crate::intake::Intake;
 use crate::video::{self, Opened};
 use crate::video_feed::VideoFeed;
-use crate::{Error, NetworkOptions, rendered};
+use crate::{Config, Error, NetworkOptions, rendered};
 
 /// How a folder, a video or a camera is opened.
 #[derive(Clone, Debug, Default)]
@@ -124,7 +124,7 @@ impl Input {
     }
 
     /// The settings of features in force, those of the sensor.
-    pub fn features(&self) -> FeatureSettings {
+    pub fn features(&self) -> ExtractorConfig {
         self.intake.features()
     }
 

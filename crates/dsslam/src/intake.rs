@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use features::{Extractor, ExtractorConfig, FeatureMask, Rig};
-use io::{Config, FeatureSettings, ImageSize, Sequence};
+use io::{ImageSize, Sequence};
 use runtime::{Preparation, Setup};
 
-use crate::{Error, NetworkOptions, network, setup};
+use crate::{Config, Error, NetworkOptions, network, setup};
 
 /// A camera with the configuration that it leaves in force.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ impl Intake {
     }
 
     /// The settings of features in force, those of the sensor.
-    pub(crate) fn features(&self) -> FeatureSettings {
+    pub(crate) fn features(&self) -> ExtractorConfig {
         self.config.features.with_sensor(self.sequence.sensor)
     }
 
@@ -70,7 +70,7 @@ impl Intake {
     /// # Errors
     /// As [`Intake::mask`].
     pub(crate) fn extractor(&self) -> Result<Extractor, Error> {
-        let config = setup::extractor(&self.features());
+        let config = self.features();
         let mask = self.mask(&config)?;
         Ok(Extractor::new(config).with_mask(mask.map(Arc::new)))
     }

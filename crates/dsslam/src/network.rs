@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use dsfeat::{Model, Network};
-use features::{ActivationSource, SelectionConfig, SelectionRule, Spread};
-use io::{FeatureSelection, FeatureSettings, FeatureSpread};
+use features::{ActivationSource, ExtractorConfig, SelectionConfig, SelectionRule};
 use runtime::{ActivationFactory, Selection};
 use sha2::{Digest, Sha256};
 
@@ -57,7 +56,7 @@ impl ActivationFactory for Opener {
 /// # Errors
 /// A model or a library that cannot be used.
 pub(crate) fn selection(
-    settings: &FeatureSettings,
+    settings: &ExtractorConfig,
     options: &NetworkOptions,
 ) -> Result<Option<Selection>, Error> {
     let Some((config, model)) = chosen(settings) else { return Ok(None) };
@@ -71,25 +70,21 @@ pub(crate) fn selection(
 /// # Errors
 /// A model or a library that cannot be used.
 pub fn open(
-    settings: &FeatureSettings,
+    settings: &ExtractorConfig,
     options: &NetworkOptions,
 ) -> Result<(Network, SelectionConfig), Error> {
     let (config, model) = chosen(settings).ok_or(Error::NoNetwork)?;
     Ok((opener(model, options, settings.network_threads)?.network()?, config))
 }
 
-/// Rule and model of the settings; `None` where no network takes part.
-fn chosen(settings: &FeatureSettings) -> Option<(SelectionConfig, Model)> {
-    let (rule, model) = match settings.selection {
-        FeatureSelection::Response => return None,
-        FeatureSelection::Semantic => (SelectionRule::Semantic, Model::Semantic),
-        FeatureSelection::Activation => (SelectionRule::Activation, Model::Hybrid),
+/// How the settings choose and the model for it; `None` where no network takes part.
+fn chosen(settings: &ExtractorConfig) -> Option<(SelectionConfig, Model)> {
+    let model = match settings.selection {
+        SelectionRule::Response => return None,
+        SelectionRule::Semantic => Model::Semantic,
+        SelectionRule::Activation => Model::Hybrid,
     };
-    let spread = match settings.spread {
-        FeatureSpread::Cells => Spread::Cells,
-        FeatureSpread::Anywhere => Spread::Anywhere,
-    };
-    Some((SelectionConfig { rule, keep: settings.keep, spread }, model))
+    settings.choice().map(|config| (config, model))
 }
 
 /// The network that the arguments name, else `model`.

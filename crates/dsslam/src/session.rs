@@ -3,11 +3,10 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use io::Config;
 use runtime::{Journal, Observer, RunError, RunOutcome, Schedule, Setup};
 use synth::World;
 
-use crate::{Error, Finished, Input, InputOptions, SlamOptions};
+use crate::{Config, Error, Finished, Input, InputOptions, SlamOptions};
 
 /// How a session is opened; the default does what the configuration says.
 #[derive(Clone, Debug, Default)]
@@ -58,8 +57,8 @@ impl Session {
         let schedule =
             if input.is_camera() { Schedule::Live { realtime: true } } else { Schedule::default() };
         let mut setup = options.slam.setup(input.intake(), schedule)?;
-        if input.is_camera() && setup.calibration_frames > 0 {
-            setup.calibration_frames = 0;
+        if input.is_camera() && setup.stereo.calibration_frames > 0 {
+            setup.stereo.calibration_frames = 0;
             notices.push(
                 "stereo.calibration_frames: a camera cannot be seen twice, so there is no calibration pass"
                     .to_owned(),

@@ -1,19 +1,15 @@
-//! From the configuration and the dataset to what a run needs. Every key of the configuration is taken apart here by name,
-//! so that the compiler notices one that nothing reads.
+//! From the configuration and the dataset to what a run needs.
 
 use std::path::Path;
 use std::sync::Arc;
 
-use features::{DepthConfig, ExtractorConfig, Rig, StereoConfig};
-use geometry::{GrayImage, StereoRig};
-use io::{
-    Config, FeatureSelection, FeatureSettings, FrameSource, ImageError, ImageSize, LoopSettings,
-    MappingSettings, RuntimeSettings, Sensor, Sequence, StereoSettings, TrackingSettings, WeightSettings,
-};
+use features::{DepthConfig, Rig};
+use geometry::{GrayImage, Sensor, StereoRig};
+use io::{FrameSource, ImageError, ImageSize, Sequence};
 use runtime::Setup;
-use slam::{Params, Weights};
+use slam::{CameraParams, Params};
 
-use crate::Error;
+use crate::{Config, Error};
 
 /// Size of a sequence's images, after rectification where there is one, compared with what the configuration says. The size
 /// that the dataset's own calibration gives is taken when at least one image has it.
@@ -77,16 +73,19 @@ pub(crate) fn rig(config: &Config, sensor: Sensor, size: ImageSize, dataset: &Pa
 /// The setup of a run with this camera.
 pub(crate) fn from_config(config: &Config, sensor: Sensor, rig: Rig) -> Setup {
     let close_depth_m = config.stereo.close_depth_baselines * rig.stereo.baseline_m;
-    let RuntimeSettings { lag, loop_lag } = config.runtime;
-    let params = slam_params(config, sensor, close_depth_m);
+    let params = Params {
+        tracking: config.tracking.clone(),
+        mapping: config.mapping.clone(),
+        loops: config.loops.clone(),
+        weights: config.weights,
+        seed: config.seed,
+        ..Params::of(CameraParams::new(sensor, close_depth_m, config.camera.fps))
+    };
     Setup {
-        extractor: extractor(&config.features.with_sensor(sensor)),
-        stereo: stereo_association(&config.stereo),
-        disparity_offset_px: config.stereo.disparity_offset_px,
-        calibration_frames: config.stereo.calibration_frames,
+        extractor: config.features.with_sensor(sensor),
+        stereo: config.stereo.clone(),
         depth: DepthConfig { units_per_metre: config.camera.depth_units_per_metre, ..DepthConfig::default() },
-        lag,
-        loop_lag,
+        lags: config.runtime,
         ..Setup::new(sensor, Arc::new(rig), params)
     }
 }
@@ -104,77 +103,6 @@ pub(crate) fn wanted_mask(config: &Config, size: ImageSize) -> Result<Option<Gra
         return Err(Error::MaskSize { place: place(), path: path.clone(), found, expected: size });
     }
     Ok(Some(mask))
-}
-
-/// What is extracted; with a selection that chooses among it, the candidates. The settings are those of the run's sensor.
-pub fn extractor(settings: &FeatureSettings) -> ExtractorConfig {
-    let FeatureSettings {
-        keep,
-        keep_mono: _,
-        selection,
-        candidates,
-        spread: _,
-        network_threads: _,
-        levels,
-        scale_factor,
-        fast_initial,
-        fast_minimum,
-        subpixel,
-    } = *settings;
-    let keep = match selection {
-        FeatureSelection::Response => keep,
-        FeatureSelection::Activation | FeatureSelection::Semantic => candidates.max(keep),
-    };
-    ExtractorConfig { keep, levels, scale_factor: scale_factor as f32, fast_initial, fast_minimum, subpixel }
-}
-
-fn stereo_association(settings: &StereoSettings) -> StereoConfig {
-    let StereoSettings {
-        min_depth_m,
-        close_depth_baselines: _,
-        disparity_offset_px: _,
-        calibration_frames: _,
-    } = *settings;
-    let defaults = StereoConfig::default();
-    StereoConfig { min_depth_m: min_depth_m.unwrap_or(defaults.min_depth_m), ..defaults }
-}
-
-fn slam_params(config: &Config, sensor: Sensor, close_depth_m: f64) -> Params {
-    let mut params = match sensor {
-        Sensor::Stereo => Params::stereo(close_depth_m, config.camera.fps),
-        Sensor::Rgbd => Params::rgbd(close_depth_m, config.camera.fps),
-        Sensor::Mono => Params::mono(config.camera.fps),
-    };
-    let TrackingSettings {
-        init_min_features,
-        min_inliers,
-        keyframe_ratio,
-        close_tracked_min,
-        close_untracked_max,
-    } = config.tracking;
-    params.tracking.min_initial_depths = init_min_features;
-    params.tracking.min_inliers = min_inliers;
-    params.tracking.keyframe_ratio = keyframe_ratio.unwrap_or(params.tracking.keyframe_ratio);
-    params.tracking.min_close_tracked = close_tracked_min;
-    params.tracking.max_close_untracked = close_untracked_max;
-    let MappingSettings {
-        neighbours,
-        local_ba_first_iterations,
-        local_ba_second_iterations,
-        keyframe_cull_ratio,
-        point_found_ratio,
-    } = config.mapping;
-    params.mapping.neighbours = neighbours.unwrap_or(params.mapping.neighbours);
-    params.mapping.first_iterations = local_ba_first_iterations;
-    params.mapping.second_iterations = local_ba_second_iterations;
-    params.mapping.redundant_ratio = keyframe_cull_ratio;
-    params.mapping.min_found_ratio = point_found_ratio;
-    let LoopSettings { enabled } = config.loops;
-    params.loops.enabled = enabled;
-    let WeightSettings { ransac, optimisation, words } = config.weights;
-    params.weights = Weights { ransac, optimisation, words };
-    params.seed = config.seed;
-    params
 }
 
 #[cfg(test)]
@@ -204,10 +132,10 @@ mod tests {
         let setup = setup(&extra, Sensor::Stereo);
         assert_eq!(setup.extractor.keep, 777);
         assert_eq!(setup.slam.tracking.min_inliers, 31);
-        assert_eq!(setup.slam.tracking.max_keyframe_gap, 25);
-        assert_eq!(setup.slam.mapping.neighbours, 12);
+        assert_eq!(setup.slam.camera.max_keyframe_gap, 25);
+        assert_eq!(setup.slam.mapping.neighbours, Some(12));
         assert_eq!(setup.slam.seed, 9);
-        assert_eq!(setup.slam.tracking.close_depth_m, 20.0, "40 baselines");
+        assert_eq!(setup.slam.camera.close_depth_m, 20.0, "40 baselines");
     }
 
     #[test]

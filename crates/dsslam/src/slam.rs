@@ -3,12 +3,12 @@
 use std::fmt;
 use std::sync::Arc;
 
-use io::{Config, LoadedFrame, Sensor};
+use io::{LoadedFrame, Sensor};
 use runtime::{FrameAnswer, FrameInfo, FrameMask, RunEnded, Schedule, Sequential, Setup, Silent, Threaded};
 
 use crate::error::FrameProblem;
 use crate::intake::Intake;
-use crate::{Camera, Error, Finished, Images, SlamOptions};
+use crate::{Camera, Config, Error, Finished, Images, SlamOptions};
 
 /// SLAM on images that are pushed one frame after another.
 ///
@@ -87,7 +87,8 @@ impl Slam {
         let (sequence, size) = camera.into_parts();
         let name = sequence.name.clone();
         let intake = Intake::new(name.as_ref(), sequence, Some(size), config)?;
-        let setup = Setup { calibration_frames: 0, ..options.setup(&intake, Schedule::default())? };
+        let mut setup = options.setup(&intake, Schedule::default())?;
+        setup.stereo.calibration_frames = 0;
         let engine = Engine::start(&setup)?;
         Ok(Self { intake, setup, engine, n_frames: 0, last_ns: None })
     }

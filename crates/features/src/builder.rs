@@ -1,11 +1,12 @@
 //! From images to a [`Frame`]: extraction, undistortion, depth of the features.
 
 use crate::activation::{ActivationMap, ActivationSource};
+use crate::config::ExtractorConfig;
 use crate::depth::DepthConfig;
 use crate::extractor::Extractor;
 use crate::frame::{Frame, Rig};
 use crate::kernels::Simd;
-use crate::keypoint::{ExtractorConfig, Features, Keypoint};
+use crate::keypoint::{Features, Keypoint};
 use crate::mask::FeatureMask;
 use crate::pyramid::Pyramid;
 use crate::selection::SelectionConfig;

@@ -1,12 +1,13 @@
 //! ORB features of an image (Rublee et al., ICCV 2011) with the distribution of ORB-SLAM2.
 
 use crate::activation::{ActivationMap, ActivationSource};
+use crate::config::ExtractorConfig;
 use crate::descriptor::Descriptor;
 use crate::detect::{Detector, region};
 use crate::kernels::brief::{REACH, describe};
 use crate::kernels::fast::{self, RADIUS};
 use crate::kernels::{Simd, blur, moments};
-use crate::keypoint::{ExtractorConfig, Features, Keypoint};
+use crate::keypoint::{Features, Keypoint};
 use crate::mask::FeatureMask;
 use crate::plane::{Plane, reflect};
 use crate::pyramid::{Placement, Pyramid};
@@ -45,8 +46,8 @@ impl Extractor {
     /// An extractor with these settings.
     #[must_use]
     pub fn new(config: ExtractorConfig) -> Self {
-        let scales = Arc::new(ScaleLevels::new(config.levels, config.scale_factor));
-        let quotas = level_quotas(config.keep, config.levels, config.scale_factor);
+        let scales = Arc::new(ScaleLevels::new(config.levels, config.level_ratio()));
+        let quotas = level_quotas(config.n_extracted(), config.levels, config.level_ratio());
         let workers = (0..config.levels).map(|_| Worker::default()).collect();
         Self {
             config,

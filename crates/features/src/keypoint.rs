@@ -1,4 +1,4 @@
-//! Key-points and the settings of their detection.
+//! Keypoints with their descriptors.
 
 use crate::descriptor::Descriptor;
 
@@ -24,27 +24,4 @@ pub struct Features {
     pub keypoints: Vec<Keypoint>,
     /// Descriptor of each.
     pub descriptors: Vec<Descriptor>,
-}
-
-/// How features are extracted.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExtractorConfig {
-    /// Most features per image.
-    pub keep: usize,
-    /// Pyramid levels.
-    pub levels: usize,
-    /// Ratio between levels.
-    pub scale_factor: f32,
-    /// FAST threshold that a cell uses when it has such corners.
-    pub fast_initial: u8,
-    /// FAST threshold for cells that have none.
-    pub fast_minimum: u8,
-    /// Whether positions are refined below a pixel of their level.
-    pub subpixel: bool,
-}
-
-impl Default for ExtractorConfig {
-    fn default() -> Self {
-        Self { keep: 2000, levels: 8, scale_factor: 1.2, fast_initial: 20, fast_minimum: 7, subpixel: true }
-    }
 }

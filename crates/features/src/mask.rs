@@ -2,9 +2,9 @@
 
 use geometry::GrayImage;
 
+use crate::config::ExtractorConfig;
 use crate::detect::EDGE;
 use crate::kernels::fast::RADIUS;
-use crate::keypoint::ExtractorConfig;
 
 /// For each level of the pyramid the pixels of the full image at which corners may lie.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ impl FeatureMask {
             return None;
         }
         let level = |l: usize| {
-            let scale = f64::from(config.scale_factor).powi(l as i32);
+            let scale = f64::from(config.level_ratio()).powi(l as i32);
             let margin = |pixels: usize| (pixels as f64 * scale).ceil() as usize;
             let filled = filled.map(|mask| eroded(mask, margin(EDGE)));
             let wanted = wanted.map(|mask| eroded(mask, margin(RADIUS + 1)));
@@ -111,7 +111,7 @@ mod tests {
         let mask = FeatureMask::new(&config, filled, wanted).map(Arc::new);
         let features = Extractor::new(config.clone()).with_mask(mask).extract(&noise());
         let distance = |x: f32| (100.0 - x).max(x - 159.0);
-        let scale = |octave: u8| config.scale_factor.powi(i32::from(octave));
+        let scale = |octave: u8| config.level_ratio().powi(i32::from(octave));
         features.keypoints.iter().map(|k| distance(k.x) / scale(k.octave)).collect()
     }
 

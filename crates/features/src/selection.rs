@@ -1,5 +1,7 @@
 //! Which of the candidates become features: by activation, or by response among those on trusted places.
 
+use serde::{Deserialize, Serialize};
+
 use crate::activation::ActivationMap;
 use crate::quadtree::{Corner, Quadtree};
 
@@ -12,16 +14,25 @@ const PER_CELL: usize = 4;
 const STEPS: f32 = 4.0;
 
 /// By what candidates are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum SelectionRule {
-    /// Places on what may move are given up (activation below one half), of the others the strongest responses are kept.
-    Semantic,
     /// The highest activation, in steps of a quarter, and of equal steps the strongest response.
     Activation,
+    /// Places on what may move are given up (activation below one half), of the others the strongest responses are kept.
+    Semantic,
+    /// No network: the strongest response, spread over the image as the extractor does it.
+    Response,
+}
+
+impl SelectionRule {
+    /// Their words in the configuration.
+    pub const WORDS: &[&str] = &["activation", "semantic", "response"];
 }
 
 /// Whether the features kept are spread over the image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Spread {
     /// The image is divided into a quarter as many cells as features are wanted, the fuller the finer, and each keeps its
     /// best four.
@@ -29,6 +40,11 @@ pub enum Spread {
     Cells,
     /// The best of the image, wherever they are.
     Anywhere,
+}
+
+impl Spread {
+    /// Their words in the configuration.
+    pub const WORDS: &[&str] = &["cells", "anywhere"];
 }
 
 /// How features are chosen among the candidates of an image.
@@ -58,7 +74,7 @@ pub struct Contender {
 /// Under [`SelectionRule::Activation`] places below `TRUSTED` get a part of what is kept as large as their part of the sum of all
 /// activations, and more only where there are too few trusted ones: near hedges and parked cars say much about the motion of the
 /// camera, and a network errs; what it is sure of to move gets next to nothing. Under [`SelectionRule::Semantic`] they get
-/// nothing. Both groups are spread over the image of `size`
+/// nothing; under [`SelectionRule::Response`] activations do not count. Both groups are spread over the image of `size`
 /// pixels. Ties go to the lower index.
 #[must_use]
 pub fn select(
@@ -70,17 +86,18 @@ pub fn select(
     let activation: Vec<f32> = contenders.iter().map(|c| map.at(c.x, c.y)).collect();
     let step = |i: usize| match config.rule {
         SelectionRule::Activation => (activation[i] * STEPS) as u8,
-        SelectionRule::Semantic => 0,
+        SelectionRule::Semantic | SelectionRule::Response => 0,
     };
     let mut ranked: Vec<usize> = (0..contenders.len()).collect();
     ranked.sort_by_key(|&i| std::cmp::Reverse((step(i), contenders[i].response)));
-    let (trusted, others): (Vec<usize>, Vec<usize>) = ranked.iter().partition(|&&i| activation[i] >= TRUSTED);
+    let is_trusted = |i: usize| config.rule == SelectionRule::Response || activation[i] >= TRUSTED;
+    let (trusted, others): (Vec<usize>, Vec<usize>) = ranked.iter().partition(|&&i| is_trusted(i));
     let best = |of: &[usize], n: usize| match config.spread {
         Spread::Anywhere => of.iter().copied().take(n).collect(),
         Spread::Cells => spread(contenders, of, n, size),
     };
     let n_others = match config.rule {
-        SelectionRule::Semantic => 0,
+        SelectionRule::Semantic | SelectionRule::Response => 0,
         SelectionRule::Activation => {
             let sum = |of: &[usize]| of.iter().map(|&i| activation[i]).sum::<f32>();
             let (theirs, rest) = (sum(&others), sum(&trusted));

@@ -12,12 +12,21 @@ use crate::keypoint::Keypoint;
 use crate::plane::Plane;
 use crate::pyramid::Pyramid;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use settings::{Entry, Section, above, between, integer, optional_real, real};
 
-/// How disparities are searched and which are believed.
-#[derive(Clone, Debug, PartialEq)]
+/// How disparities are searched and which are believed: the section `stereo` of the configuration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct StereoConfig {
-    /// Nearest depth searched, metres; 0: five baselines.
-    pub min_depth_m: f64,
+    /// Nearest depth searched, metres; `None`: five baselines.
+    pub min_depth_m: Option<f64>,
+    /// Depth in baselines up to which a point is close.
+    pub close_depth_baselines: f64,
+    /// Added to every disparity: a known error of the stereo calibration, pixels.
+    pub disparity_offset_px: f64,
+    /// Frames of a first pass that refines the disparity offset from the images; 0: there is no such pass.
+    pub calibration_frames: usize,
     /// The best cost must be below this share of the best one farther than three pixels away (1: no such test).
     pub uniqueness: f32,
     /// Largest disagreement of the search back from the right image, pixels of the octave.
@@ -28,8 +37,26 @@ pub struct StereoConfig {
 
 impl Default for StereoConfig {
     fn default() -> Self {
-        Self { min_depth_m: 0.0, uniqueness: 0.85, max_left_right_px: 1, max_residual_ratio: 2.1 }
+        Self {
+            min_depth_m: None,
+            close_depth_baselines: 40.0,
+            disparity_offset_px: 0.0,
+            calibration_frames: 0,
+            uniqueness: 0.85,
+            max_left_right_px: 1,
+            max_residual_ratio: 2.1,
+        }
     }
+}
+
+#[rustfmt::skip]
+impl Section for StereoConfig {
+    const KEYS: &'static [Entry] = &[
+        optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: five baselines"),
+        real("stereo.close_depth_baselines", "baselines", above(0.0), "a point nearer than this makes a map point at once"),
+        real("stereo.disparity_offset_px", "px", between(-5.0, 5.0), "added to every disparity: a known error of the stereo calibration"),
+        integer("stereo.calibration_frames", "frames", [0, 100_000], "first frames run once before to refine the disparity offset from the images; 0: not at all"),
+    ];
 }
 
 /// Smaller disparities, about the accuracy of the measurement, say nothing of the depth.
@@ -75,8 +102,7 @@ impl StereoMatcher {
     /// Disparity of each key-point in pixels of level 0, above zero; NaN where none is believed. Runs on the current rayon
     /// pool; the result does not depend on the number of threads.
     pub(crate) fn disparities(&self, rig: &Rig, pair: StereoPair<'_>, keypoints: &[Keypoint]) -> Vec<f32> {
-        let nearest = self.config.min_depth_m;
-        let min_depth = if nearest > 0.0 { nearest } else { NEAREST_BASELINES * rig.stereo.baseline_m };
+        let min_depth = self.config.min_depth_m.unwrap_or(NEAREST_BASELINES * rig.stereo.baseline_m);
         let max_disparity = (rig.stereo.bf() / min_depth) as f32;
         let find = |scratch: &mut Scratch, keypoint: &Keypoint| {
             let found = self.find(pair, keypoint, max_disparity, scratch)?;

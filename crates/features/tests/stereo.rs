@@ -107,7 +107,7 @@ fn disparities_lie_between_zero_and_the_nearest_depth() {
     let rig = rig();
     for truth in [0.0, 0.3, 95.0, 119.0, 121.0, 150.0] {
         let (left, right) = stereo_pair(|_| truth);
-        let settings = StereoConfig { min_depth_m: 2.5, ..StereoConfig::default() };
+        let settings = StereoConfig { min_depth_m: Some(2.5), ..StereoConfig::default() };
         let mut builder = FrameBuilder::new(Arc::clone(&rig), config(), settings, DepthConfig::default());
         let frame = builder.stereo(0, 0.0, &left, &right).unwrap();
         let found = disparities(&frame);

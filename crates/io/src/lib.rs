@@ -1,6 +1,6 @@
 //! Datasets, images, configuration and trajectories: everything that is read before a run and written after it.
 //!
-//! Start reading at [`open_sequence`] (which frames there are), [`load_frame`] (their pixels) and [`Config::load`]
+//! Start reading at [`open_sequence`] (which frames there are), [`load_frame`] (their pixels) and [`read_config`]
 //! (how to process them). Every error names the file, the line or key, what was found and what was expected.
 
 mod config;
@@ -11,11 +11,8 @@ mod trajectory;
 mod video;
 
 pub use config::{
-    CameraError, CameraSettings, Config, ConfigErrors, Explained, FeatureSelection, FeatureSettings,
-    FeatureSpread, InputSettings, LoopSettings, MappingSettings, Problem, Provenance, RuntimeSettings,
-    StereoSettings, TrackingSettings, WeightSettings,
-    schema::{Entry, Kind, Literal, Range},
-    table::SCHEMA,
+    CameraSettings, ConfigErrors, Explained, InputSettings, Origins, Problem, Provenance, explain,
+    read_config, to_yaml,
 };
 pub use dataset::{
     Calibration, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera, RectifiedView,

@@ -1,4 +1,4 @@
-//! Tests of the crate's public face: formats, configuration, and the exact message for each kind of bad input.
+//! Tests of the crate's public face: formats, and the exact message for each kind of bad input.
 
 #![allow(clippy::unwrap_used)]
 
@@ -6,10 +6,7 @@ mod suite {
     mod bad_dataset;
     mod bad_euroc;
     mod bad_image;
-    mod calibration;
     mod camera_file;
-    mod config;
-    mod config_errors;
     mod euroc_layout;
     mod image_folder;
     mod images;

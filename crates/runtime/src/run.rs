@@ -31,7 +31,7 @@ pub fn run(
     }
     let calibration = calibrate(feed, setup, observer, stop)?;
     let disparity_offset_px =
-        setup.disparity_offset_px + calibration.map_or(0.0, |estimate| estimate.offset_px);
+        setup.stereo.disparity_offset_px + calibration.map_or(0.0, |estimate| estimate.offset_px);
     let frames = feed.size_hint();
     observer.event(&Event::Started { frames });
     let plan = Arc::new(Plan::new(setup.clone(), disparity_offset_px, observer.wants_details()));
@@ -55,12 +55,13 @@ fn calibrate(
     observer: &mut dyn Observer,
     stop: &AtomicBool,
 ) -> Result<Option<OffsetEstimate>, RunError> {
-    let frames = feed.size_hint().map_or(setup.calibration_frames, |n| n.min(setup.calibration_frames));
+    let frames =
+        feed.size_hint().map_or(setup.stereo.calibration_frames, |n| n.min(setup.stereo.calibration_frames));
     if frames == 0 || setup.sensor != Sensor::Stereo {
         return Ok(None);
     }
     let pass = Setup { vocabulary: None, start: None, ..setup.clone() };
-    let plan = Arc::new(Plan::new(pass, setup.disparity_offset_px, false));
+    let plan = Arc::new(Plan::new(pass, setup.stereo.disparity_offset_px, false));
     let job = Job { feed, frames: Some(frames), stop, plan };
     let schedule = match setup.schedule {
         Schedule::Sequential => Schedule::Sequential,

@@ -10,6 +10,7 @@ use slam::{KeyframeDatabase, Params, World};
 
 use crate::faults::Faults;
 use crate::fingerprint::Fingerprint;
+use crate::lags::Lags;
 use crate::rule::Rule;
 use crate::selection::Selection;
 
@@ -44,10 +45,6 @@ pub struct Setup {
     pub selection: Option<Selection>,
     /// Stereo association.
     pub stereo: StereoConfig,
-    /// Added to every disparity: a known error of the stereo calibration, pixels.
-    pub disparity_offset_px: f64,
-    /// Frames of a first pass that refines the disparity offset from the images; 0: there is no such pass.
-    pub calibration_frames: usize,
     /// Depth association.
     pub depth: DepthConfig,
     /// Tracking, mapping and loop closing.
@@ -58,11 +55,8 @@ pub struct Setup {
     pub start: Option<Map>,
     /// How stages share time.
     pub schedule: Schedule,
-    /// Frames after which tracking sees the finished mapping of a keyframe, at least 1; the keyframe itself is seen at
-    /// once. Without meaning for `Live`.
-    pub lag: usize,
-    /// Frames after which a loop found at a keyframe may be closed. Without meaning for `Live`.
-    pub loop_lag: usize,
+    /// When tracking sees what mapping has done.
+    pub lags: Lags,
     /// Test aids.
     pub faults: Faults,
 }
@@ -77,15 +71,12 @@ impl Setup {
             mask: None,
             selection: None,
             stereo: StereoConfig::default(),
-            disparity_offset_px: 0.0,
-            calibration_frames: 0,
             depth: DepthConfig::default(),
             slam,
             vocabulary: None,
             start: None,
             schedule: Schedule::default(),
-            lag: DEFAULT_LAG,
-            loop_lag: DEFAULT_LOOP_LAG,
+            lags: Lags::default(),
             faults: Faults::default(),
         }
     }
@@ -106,7 +97,7 @@ impl Setup {
     }
 
     pub(crate) fn rule(&self) -> Rule {
-        Rule { lag: self.lag.max(1), loop_lag: self.loop_lag }
+        Rule { lag: self.lags.lag.max(1), loop_lag: self.lags.loop_lag }
     }
 
     /// The world that a run begins with.
@@ -121,7 +112,9 @@ impl Setup {
     /// A number for everything that a run's bits depend on beside its frames and its schedule.
     pub(crate) fn fingerprint(&self) -> u64 {
         let mut print = Fingerprint::default();
-        print.add(format!("{:?}", (self.sensor, &self.rig, &self.extractor, &self.stereo)).as_bytes());
+        // No result depends on the network's threads.
+        let extractor = ExtractorConfig { network_threads: 1, ..self.extractor.clone() };
+        print.add(format!("{:?}", (self.sensor, &self.rig, &extractor, &self.stereo)).as_bytes());
         print.add(format!("{:?}", (&self.depth, &self.slam)).as_bytes());
         let selection = self.selection.as_ref().map(|s| (s.config, s.source.identity()));
         print.add(format!("{selection:?}").as_bytes());
@@ -131,8 +124,3 @@ impl Setup {
         print.value()
     }
 }
-
-/// Default of [`Setup::lag`].
-pub const DEFAULT_LAG: usize = 2;
-/// Default of [`Setup::loop_lag`].
-pub const DEFAULT_LOOP_LAG: usize = 10;

@@ -46,7 +46,8 @@ impl Threaded {
     /// # Errors
     /// [`RunError::Thread`] when the first thread cannot be started.
     pub fn start(setup: Setup, observer: Box<dyn Observer + Send>) -> Result<Self, RunError> {
-        let setup = Setup { calibration_frames: 0, ..setup };
+        let mut setup = setup;
+        setup.stereo.calibration_frames = 0;
         let (frames, pushed) = bounded(WAITING);
         let (to_caller, answers) = unbounded();
         let stop = Arc::new(AtomicBool::new(false));

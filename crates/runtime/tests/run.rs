@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::{Feed, Kind, broken, setup};
 use dsslam_runtime::{Event, FrameStatus, Observer, RunError, Schedule, Setup, Silent, run};
+use features::StereoConfig;
 use slam::NotReady;
 
 #[test]
@@ -91,7 +92,8 @@ fn a_run_on_threads_stops_soon_and_keeps_what_it_has() {
 fn a_calibration_pass_that_learns_nothing_changes_nothing() {
     let feed = Feed(vec![Kind::Good; 4]);
     let plain = run(&feed, &setup(), &mut Silent, &AtomicBool::new(false)).unwrap();
-    let with_pass = Setup { calibration_frames: 3, ..setup() };
+    let stereo = StereoConfig { calibration_frames: 3, ..StereoConfig::default() };
+    let with_pass = Setup { stereo, ..setup() };
     let passed = run(&feed, &with_pass, &mut Silent, &AtomicBool::new(false)).unwrap();
     assert_eq!(passed.calibration, None);
     assert_eq!(plain.frames, passed.frames);

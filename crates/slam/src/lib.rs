@@ -33,7 +33,7 @@ pub use keyframe_database::KeyframeDatabase;
 pub use loops::{GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, NoLoop, adjust_globally};
 pub use lost::{Lost, NotReady};
 pub use mapper::{Mapper, MappingReport};
-pub use params::{LoopParams, MappingParams, Params, TrackingParams, Weights};
+pub use params::{CameraParams, LoopParams, MappingParams, Params, TrackingParams, Weights};
 pub use probe::{NoProbe, Probe, Stage, staged};
 pub use tracker::{
     InitialPair, KeyframeReason, KeyframeRequest, NoPair, Placement, TrackState, TrackStats, Tracked, Tracker,

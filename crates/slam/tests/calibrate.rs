@@ -12,8 +12,8 @@ fn map_with_error(error_px: f64) -> Pair {
     world.disparity_error_px = error_px;
     let mut params = Params::stereo(21.0, 10.0);
     // More keyframes than so quiet a drive needs, and none culled.
-    params.tracking.keyframe_ratio = 0.95;
-    params.mapping.redundant_ratio = 1.0;
+    params.tracking.keyframe_ratio = Some(0.95);
+    params.mapping.keyframe_cull_ratio = 1.0;
     let mut pair = Pair::new(&params);
     for i in 0..40 {
         pair.step(&world.frame(i, &slalom(i)));

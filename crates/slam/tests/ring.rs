@@ -145,9 +145,9 @@ fn a_lasting_loss_starts_a_sub_map_that_a_loop_joins() {
     let mut i = from;
     while !has_pose(&trio.step(&scene.frame(index, &on_ring(i)))) {
         (lost, i, index) = (lost + 1, i + 1, index + 1);
-        assert!(lost <= params().tracking.max_lost_frames, "still lost");
+        assert!(lost <= params().camera.max_lost_frames, "still lost");
     }
-    assert_eq!(lost, params().tracking.max_lost_frames);
+    assert_eq!(lost, params().camera.max_lost_frames);
     while trio.closed.is_empty() {
         (i, index) = (i + 1, index + 1);
         assert!(has_pose(&trio.step(&scene.frame(index, &on_ring(i)))), "frame {i}");

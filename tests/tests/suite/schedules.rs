@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use geometry::SE3;
 use runtime::{
-    Faults, FrameFeed, FrameStatus, Journal, JournalError, LoopResult, RunError, RunOutcome, Schedule, Setup,
-    Silent, Unusable, replay, run,
+    Faults, FrameFeed, FrameStatus, Journal, JournalError, Lags, LoopResult, RunError, RunOutcome, Schedule,
+    Setup, Silent, Unusable, replay, run,
 };
 
 use crate::rendered_feed::RenderedFeed;
@@ -21,8 +21,8 @@ pub(crate) fn revisit() -> &'static RenderedFeed {
 
 /// Loops as early as possible, since the drive is short.
 pub(crate) fn setup(schedule: Schedule) -> Setup {
-    let mut setup = Setup { schedule, lag: 2, loop_lag: 4, ..revisit().setup() };
-    setup.slam.tracking.max_lost_frames = 2;
+    let mut setup = Setup { schedule, lags: Lags { lag: 2, loop_lag: 4 }, ..revisit().setup() };
+    setup.slam.camera.max_lost_frames = 2;
     setup.slam.loops.min_gap = 4;
     setup.slam.loops.consistency = 1;
     setup
@@ -70,7 +70,9 @@ fn delays_on_threads_change_nothing() {
 #[test]
 fn the_lag_is_part_of_the_result() {
     let first = RenderedFeed::new(0..14);
-    let of = |lag: usize, schedule: Schedule| bits(&done(&first, &Setup { lag, ..setup(schedule) }));
+    let of = |lag: usize, schedule: Schedule| {
+        bits(&done(&first, &Setup { lags: Lags { lag, loop_lag: 4 }, ..setup(schedule) }))
+    };
     let one = of(1, Schedule::Sequential);
     assert!(one == of(1, Schedule::Lockstep));
     assert!(one != of(4, Schedule::Sequential), "a lag without effect");

@@ -11,7 +11,7 @@ mod vocab;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::config::CheckArgs;
+use crate::config::{CheckArgs, DefaultArgs};
 use crate::console::Voice;
 use crate::doctor::DoctorArgs;
 use crate::export::ExportArgs;
@@ -89,8 +89,8 @@ pub(crate) struct ConfigArgs {
 /// What `dsslam config` can do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ConfigAction {
-    /// Prints the complete default configuration as YAML.
-    Default,
+    /// Prints the default configuration as YAML: the keys of everyday use.
+    Default(DefaultArgs),
     /// Checks a configuration and explains every value in force: where it comes from, what it means, what it may be.
     Check(CheckArgs),
 }

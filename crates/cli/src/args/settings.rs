@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
-use io::Config;
+use dsslam::Config;
 
 /// A configuration: a file, and what is changed in it.
 #[derive(Clone, Debug, Args)]

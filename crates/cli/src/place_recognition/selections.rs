@@ -5,12 +5,12 @@ use std::sync::Arc;
 use anyhow::{Context, Result, anyhow};
 use bow::{Transformed, Vocabulary};
 use dsfeat::{DenseFeatures, DenseKeypoint, DenseNetwork, Model, Network};
+use dsslam::Config;
 use features::{
     ActivationMap, Contender, Descriptor, Extractor, ExtractorConfig, SelectionConfig, SelectionRule, Spread,
     select,
 };
 use geometry::{GrayImage, Raster, Vec2};
-use io::{Config, FeatureSelection, FeatureSettings};
 
 use super::sight::{Look, Sight};
 use crate::args::{PlaceSelection, PlacesArgs};
@@ -69,16 +69,16 @@ impl Describer {
         };
         let rule = |&selection: &PlaceSelection| {
             let rule = match selection {
-                PlaceSelection::Trad | PlaceSelection::Seman => SelectionRule::Semantic,
+                PlaceSelection::Trad => SelectionRule::Response,
+                PlaceSelection::Seman => SelectionRule::Semantic,
                 PlaceSelection::Ours => SelectionRule::Activation,
             };
             let spread = if args.cells { Spread::Cells } else { Spread::Anywhere };
             (selection, SelectionConfig { rule, keep: args.keep as usize, spread })
         };
         let candidates =
-            FeatureSettings { selection: FeatureSelection::Activation, keep: 1, ..settings.clone() };
-        let extraction: ExtractorConfig = dsslam::extractor(&candidates);
-        let extractor = Extractor::new(extraction);
+            ExtractorConfig { selection: SelectionRule::Activation, keep: 1, ..settings.clone() };
+        let extractor = Extractor::new(candidates);
         let selections = selections.iter().map(rule).collect();
         let words = Words { vocabulary, weighted: config.weights.words };
         Ok(Self { selections, networks, extractor, dense, words })
@@ -124,6 +124,7 @@ fn learned(
     let trusted = |x: f32, y: f32| match config.rule {
         SelectionRule::Activation => map.at(x, y),
         SelectionRule::Semantic => f32::from(u8::from(map.at(x, y) >= 0.5)),
+        SelectionRule::Response => 1.0,
     };
     Sight {
         pixels: kept.iter().map(|&i| pixel(contenders[i].x, contenders[i].y)).collect(),

@@ -5,12 +5,13 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
+use dsslam::Config;
 use events::{
     Camera, Counts, DeltaOptions, DeltaTracker, End, FinalPose, FramePose, FrameRecord, FrameState, Pose,
     Record, StageTime, Start,
 };
 use geometry::SE3;
-use io::{Config, TrajectoryFormat};
+use io::TrajectoryFormat;
 use serde_json::Value;
 
 use super::start::position;

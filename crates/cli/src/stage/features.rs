@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use draw::{Canvas, Color, PALETTE, Strip, Stroke, Swatch};
-use features::Keypoint;
+use features::{ExtractorConfig, Keypoint, SelectionRule};
 use geometry::{GrayImage, Vec2};
-use io::{FeatureSelection, FeatureSettings};
 
 use super::input::{self, FrameArgs, Picture};
 use super::{row, save, zoom_for};
@@ -65,7 +64,7 @@ impl FeaturesArgs {
     }
 
     fn find(&self, picture: &mut Picture) -> Result<Found, Failure> {
-        if picture.settings.selection == FeatureSelection::Response {
+        if picture.settings.selection == SelectionRule::Response {
             let features = picture.extractor.extract(&picture.image).keypoints;
             return Ok(Found { features, selected: None });
         }
@@ -92,7 +91,7 @@ impl Found {
     }
 
     /// What is dropped first, then large rings, so that small ones stay visible.
-    fn drawn(&self, image: &GrayImage, name: &str, settings: &FeatureSettings) -> Canvas {
+    fn drawn(&self, image: &GrayImage, name: &str, settings: &ExtractorConfig) -> Canvas {
         let zoom = zoom_for(image.width);
         let mut canvas = Canvas::of_gray(image, zoom);
         canvas.wash([0, 0, 0], 0.25);

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
-use dsslam::{Input, InputOptions};
-use features::Extractor;
+use dsslam::{Config, Input, InputOptions};
+use features::{Extractor, ExtractorConfig};
 use geometry::GrayImage;
-use io::{Config, FeatureSettings, LoadedFrame, Sensor};
+use io::{LoadedFrame, Sensor};
 use runtime::FrameInfo;
 
 /// A frame, and where its picture goes.
@@ -30,7 +30,7 @@ pub(crate) struct Picture {
     /// What extracts its features, where `input.mask` allows it.
     pub(crate) extractor: Extractor,
     /// The settings of its features.
-    pub(crate) settings: FeatureSettings,
+    pub(crate) settings: ExtractorConfig,
 }
 
 /// An image, or a sequence of which frames are taken.

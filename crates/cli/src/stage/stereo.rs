@@ -44,7 +44,7 @@ impl StereoArgs {
         let setup = frames.input.setup(&self.network.options()).or_input()?;
         let right = images.right.unwrap_or_default();
         let frame = setup
-            .frame_builder(setup.disparity_offset_px)
+            .frame_builder(setup.stereo.disparity_offset_px)
             .and_then(|mut builder| builder.stereo(info.index, info.timestamp_s, &images.left, &right))
             .map_err(|reason| anyhow!(reason))
             .or_input()?;

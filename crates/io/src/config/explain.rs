@@ -1,35 +1,32 @@
 //! The configuration in force, key by key, for people and tools.
 
+use serde::Serialize;
 use serde_json::Value as Json;
+use settings::Entry;
 
-use super::Config;
+use super::origins::Origins;
 use super::problem::Provenance;
-use super::schema::Entry;
-use super::table::SCHEMA;
 
 /// A key with its value and where that comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explained<'a> {
     /// Name, unit, range and meaning of the key.
-    pub entry: &'static Entry,
+    pub entry: &'a Entry,
     /// The value as YAML writes it; `None` where the key is absent.
     pub value: Option<String>,
     /// Who gave the value.
     pub place: &'a Provenance,
 }
 
-impl Config {
-    /// All keys in the order of [`SCHEMA`], with the values in force.
-    #[must_use]
-    pub fn explain(&self) -> Vec<Explained<'_>> {
-        let tree = serde_json::to_value(self).unwrap_or(Json::Null);
-        let explained = |entry: &'static Entry| {
-            let value = tree.pointer(&format!("/{}", entry.key.replace('.', "/")));
-            let place = self.provenance(entry.key);
-            Explained { entry, value: value.and_then(scalar), place }
-        };
-        SCHEMA.iter().map(explained).collect()
-    }
+/// These keys, in their order, with the values in force.
+#[must_use]
+pub fn explain<'a>(keys: &'a [Entry], config: &impl Serialize, origins: &'a Origins) -> Vec<Explained<'a>> {
+    let tree = serde_json::to_value(config).unwrap_or(Json::Null);
+    let explained = |entry: &'a Entry| {
+        let value = tree.pointer(&format!("/{}", entry.key.replace('.', "/")));
+        Explained { entry, value: value.and_then(scalar), place: origins.of(entry.key) }
+    };
+    keys.iter().map(explained).collect()
 }
 
 /// A value as YAML writes it, `None` where there is none.

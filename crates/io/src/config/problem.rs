@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Where a value comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Provenance {
-    /// The table of defaults.
+    /// The defaults.
     Default,
     /// A configuration file.
     File {
@@ -40,7 +40,7 @@ pub struct ConfigErrors(pub Vec<Problem>);
 
 impl Problem {
     /// A problem with a value.
-    pub(super) fn new(place: &Provenance, key: &str, found: impl fmt::Display, expected: &str) -> Self {
+    pub fn new(place: &Provenance, key: &str, found: impl fmt::Display, expected: &str) -> Self {
         let message = format!("found {found}, expected {expected}");
         Self { place: place.clone(), key: key.to_string(), message }
     }

@@ -2,24 +2,28 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::{Map, Value as Json};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value as Json;
+use settings::Entry;
 
+use super::origins::Origins;
 use super::problem::{ConfigErrors, Problem, Provenance};
-use super::schema::{Entry, Value};
 use super::source::Given;
-use super::table::SCHEMA;
-use super::{Config, rules, suggest};
+use super::suggest;
+use super::value::Value;
 
 /// Checks everything given, then fills the typed structure; `problems` are those of reading.
-pub(super) fn resolve(
+pub(super) fn resolve<T: Default + Serialize + DeserializeOwned>(
+    keys: &[Entry],
     from_file: &[Given],
     from_overrides: &[Given],
     mut problems: Vec<Problem>,
-) -> Result<Config, ConfigErrors> {
+) -> Result<(T, Origins), ConfigErrors> {
     problems.extend(repeated(from_file));
     let mut chosen: BTreeMap<&str, &Given> = BTreeMap::new();
     for given in from_file.iter().chain(from_overrides) {
-        match check(given) {
+        match check(keys, given) {
             Ok(Some(entry)) => {
                 chosen.insert(entry.key, given);
             }
@@ -30,23 +34,24 @@ pub(super) fn resolve(
     if !problems.is_empty() {
         return Err(ConfigErrors(problems));
     }
-    let mut config = build(&chosen)?;
-    config.provenance = chosen.iter().map(|(&key, given)| (key.to_string(), given.place.clone())).collect();
-    let problems = rules::check(&config);
-    if problems.is_empty() { Ok(config) } else { Err(ConfigErrors(problems)) }
+    let mut origins = Origins::default();
+    for (key, given) in &chosen {
+        origins.set(key, given.place.clone());
+    }
+    Ok((build(&chosen)?, origins))
 }
 
 /// The entry that a given value sets; `None` for a section that is empty.
-fn check(given: &Given) -> Result<Option<&'static Entry>, Problem> {
-    if let Some(entry) = SCHEMA.iter().find(|entry| entry.key == given.key) {
-        return if entry.accepts(&given.value) {
+fn check<'a>(keys: &'a [Entry], given: &Given) -> Result<Option<&'a Entry>, Problem> {
+    if let Some(entry) = keys.iter().find(|entry| entry.key == given.key) {
+        return if given.value.is_accepted_by(entry) {
             Ok(Some(entry))
         } else {
             Err(Problem::new(&given.place, &given.key, &given.value, &entry.expectation()))
         };
     }
     let names: Vec<&str> =
-        SCHEMA.iter().filter(|entry| entry.section() == given.key).map(Entry::name).collect();
+        keys.iter().filter(|entry| entry.section() == given.key).map(Entry::name).collect();
     if !names.is_empty() {
         if given.value == Value::Nothing {
             return Ok(None);
@@ -55,10 +60,10 @@ fn check(given: &Given) -> Result<Option<&'static Entry>, Problem> {
         return Err(Problem::new(&given.place, &given.key, &given.value, &expected));
     }
     let inside = |entry: &&Entry| given.key.starts_with(&format!("{}.", entry.key));
-    if let Some(entry) = SCHEMA.iter().find(inside) {
+    if let Some(entry) = keys.iter().find(inside) {
         return Err(Problem::new(&given.place, entry.key, "a section", &entry.expectation()));
     }
-    let message = match suggest::find_nearest(&given.key, SCHEMA.iter().map(|entry| entry.key)) {
+    let message = match suggest::find_nearest(&given.key, keys.iter().map(|entry| entry.key)) {
         Some(nearest) => format!("unknown key, did you mean {nearest}?"),
         None => "unknown key".to_string(),
     };
@@ -78,36 +83,18 @@ fn repeated(from_file: &[Given]) -> Vec<Problem> {
     problems
 }
 
-/// Fills the typed structure with chosen values and defaults.
-fn build(chosen: &BTreeMap<&str, &Given>) -> Result<Config, ConfigErrors> {
-    let mut root = Map::new();
-    for entry in SCHEMA {
-        let value = match (chosen.get(entry.key), entry.default) {
-            (Some(given), _) => given.value.clone(),
-            (None, Some(default)) => default.into(),
-            (None, None) => Value::Nothing,
-        };
-        let json = to_json(value);
-        if entry.section().is_empty() {
-            root.insert(entry.name().to_string(), json);
-        } else if let Json::Object(section) =
-            root.entry(entry.section()).or_insert_with(|| Json::Object(Map::new()))
-        {
-            section.insert(entry.name().to_string(), json);
-        }
-    }
-    serde_json::from_value(Json::Object(root)).map_err(|error| {
-        let message = format!("the table of keys and the typed structure disagree: {error}");
+/// The defaults with the chosen values over them.
+fn build<T: Default + Serialize + DeserializeOwned>(
+    chosen: &BTreeMap<&str, &Given>,
+) -> Result<T, ConfigErrors> {
+    let disagreement = |reason: String| {
+        let message = format!("the table of keys and the typed structure disagree: {reason}");
         ConfigErrors(vec![Problem { place: Provenance::Default, key: String::new(), message }])
-    })
-}
-
-fn to_json(value: Value) -> Json {
-    match value {
-        Value::Nothing => Json::Null,
-        Value::Flag(flag) => Json::Bool(flag),
-        Value::Integer(integer) => Json::from(integer),
-        Value::Real(real) => Json::from(real),
-        Value::Text(text) => Json::String(text),
+    };
+    let mut tree = serde_json::to_value(T::default()).map_err(|error| disagreement(error.to_string()))?;
+    for (key, given) in chosen {
+        let field = tree.pointer_mut(&format!("/{}", key.replace('.', "/")));
+        *field.ok_or_else(|| disagreement(format!("no field for {key}")))? = Json::from(&given.value);
     }
+    serde_json::from_value(tree).map_err(|error| disagreement(error.to_string()))
 }

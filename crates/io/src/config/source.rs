@@ -9,7 +9,7 @@ use serde_saphyr::Spanned;
 use serde_saphyr::options::{DuplicateKeyPolicy, NonFiniteFloatPolicy};
 
 use super::problem::{Problem, Provenance};
-use super::schema::Value;
+use super::value::Value;
 use crate::file::TextFile;
 
 /// A key with its value, as somebody gave it.

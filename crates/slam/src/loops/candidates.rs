@@ -9,7 +9,7 @@ use map::{KeyframeId, Map};
 use super::outcome::NoLoop;
 use super::position_prior::PositionPrior;
 use crate::keyframe_database::Alike;
-use crate::params::LoopParams;
+use crate::params::Params;
 use crate::world::World;
 
 /// A keyframe must share more than this part of the words that the best one shares.
@@ -27,19 +27,15 @@ const MAX_NEARBY: usize = 2;
 ///
 /// # Errors
 /// Why there is none.
-pub(super) fn find(
-    keyframe: KeyframeId,
-    world: &World,
-    params: &LoopParams,
-) -> Result<Vec<KeyframeId>, NoLoop> {
+pub(super) fn find(keyframe: KeyframeId, world: &World, params: &Params) -> Result<Vec<KeyframeId>, NoLoop> {
     let map = &world.map;
     let (Some(current), Some((bow, _))) = (map.keyframe(keyframe), world.places.of(keyframe)) else {
         return Err(NoLoop::NoPlaces);
     };
     let near: BTreeSet<KeyframeId> =
         current.covisible().iter().map(|&(id, _)| id).chain(std::iter::once(keyframe)).collect();
-    let min_score = lowest_covisible_score(current, bow, world, params.min_covisible_weight);
-    let prior = PositionPrior::new(map, keyframe, params);
+    let min_score = lowest_covisible_score(current, bow, world, params.loops.min_covisible_weight);
+    let prior = PositionPrior::new(map, keyframe, &params.camera);
     let alike = world.places.alike(bow, |id| !near.contains(&id) && prior.allows(id));
     let best_score = alike.first().map_or(0.0, |m| m.score);
     let mut found = strongest_groups(map, &alike, min_score);

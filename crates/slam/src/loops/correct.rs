@@ -52,9 +52,9 @@ pub(super) fn correct(
         let graph = EssentialGraph::new(map, keyframe, params.loops.essential_weight);
         cycle_test::test(&graph, map, keyframe, verified.matched, &rigid, params)?;
         let ends = [verified.matched, keyframe];
-        let keyframes = if params.sensor.is_scale_free() {
+        let keyframes = if params.camera.sensor.is_scale_free() {
             let motion = |sim: &Sim3| SE3::new(sim.rotation, sim.translation);
-            let poses = solve(&graph, map, ends, here_from_there, params.loops.unit, Sim3::from, motion);
+            let poses = solve(&graph, map, ends, here_from_there, params.camera.unit, Sim3::from, motion);
             graph.nodes.iter().zip(&poses).map(|(&id, pose)| corrected(id, pose)).collect()
         } else {
             let poses = solve(&graph, map, ends, rigid, 1.0, |pose| pose, |pose| *pose);

@@ -6,7 +6,7 @@ use optim::loop_test::{CycleEdge, CycleEdgeKind, LoopTestOptions, LoopVerdict, t
 
 use super::essential_graph::EssentialGraph;
 use super::outcome::NoLoop;
-use crate::params::{LoopParams, Params};
+use crate::params::{CameraParams, Params};
 
 /// Standard deviations that even the shortest motion has.
 const SIGMA_M: f64 = 0.01;
@@ -40,13 +40,13 @@ pub(super) fn test(
         let parent = map.keyframe(id).and_then(map::Keyframe::parent).and_then(|id| graph.index(id));
         let Some(parent) = parent else { continue };
         let motion = graph.cam_from_world[child] * graph.cam_from_world[parent].inverse();
-        edges.push(odometry(parent, child, motion, growth, &params.loops));
+        edges.push(odometry(parent, child, motion, growth, &params.camera));
     }
     edges.extend(graph.edges.iter().filter(|e| e.is_loop).map(|e| CycleEdge {
         kind: CycleEdgeKind::EarlierLoop,
-        ..candidate(e.a, e.b, graph.b_from_a(e), params.loops.unit)
+        ..candidate(e.a, e.b, graph.b_from_a(e), params.camera.unit)
     }));
-    edges.push(candidate(there, here, *here_from_there, params.loops.unit));
+    edges.push(candidate(there, here, *here_from_there, params.camera.unit));
     match test_loop(&graph.cam_from_world, &edges, &LoopTestOptions::default()) {
         LoopVerdict::Consistent(_) => Ok(()),
         LoopVerdict::Inconsistent { reason, numbers } => Err(NoLoop::Inconsistent { reason, numbers }),
@@ -60,7 +60,7 @@ fn path_length(graph: &EssentialGraph, map: &Map, here: usize, there: usize) -> 
     a.len() + b.len() - 2 * shared
 }
 
-fn odometry(a: usize, b: usize, b_from_a: SE3, growth: f64, params: &LoopParams) -> CycleEdge {
+fn odometry(a: usize, b: usize, b_from_a: SE3, growth: f64, params: &CameraParams) -> CycleEdge {
     let (length, angle) = (b_from_a.translation.norm(), b_from_a.rotation.angle());
     CycleEdge {
         a: a as u32,

@@ -94,7 +94,8 @@ impl LoopCloser {
         if keyframes < needed {
             return Err(NoLoop::TooEarly { keyframes, needed });
         }
-        let found = candidates::find(keyframe, world, params).inspect_err(|_| self.consistency.clear())?;
+        let found =
+            candidates::find(keyframe, world, &self.params).inspect_err(|_| self.consistency.clear())?;
         let needed = params.consistency;
         let (accepted, seen) = self.consistency.advance(&world.map, &found, needed);
         if accepted.is_empty() { Err(NoLoop::NotYetConsistent { seen, needed }) } else { Ok(accepted) }

@@ -4,7 +4,7 @@ use geometry::Vec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use map::{KeyframeId, Map};
 
-use crate::params::LoopParams;
+use crate::params::CameraParams;
 
 /// Positions of the keyframes of one sub-map, and how far each can have drifted against the current one.
 pub(super) struct PositionPrior {
@@ -16,14 +16,14 @@ pub(super) struct PositionPrior {
 }
 
 impl PositionPrior {
-    pub(super) fn new(map: &Map, current: KeyframeId, params: &LoopParams) -> Self {
+    pub(super) fn new(map: &Map, current: KeyframeId, params: &CameraParams) -> Self {
         let mut along: Vec<(KeyframeId, Vec3, f64)> = Vec::with_capacity(map.n_keyframes());
         for keyframe in submap_members(map, current).into_iter().filter_map(|id| map.keyframe(id)) {
             let center = keyframe.center();
             let path_m = along.last().map_or(0.0, |(_, last, path)| path + (center - last).norm());
             along.push((keyframe.id, center, path_m));
         }
-        let LoopParams { max_drift, prior_margin_m: margin_m, .. } = *params;
+        let CameraParams { max_drift, prior_margin_m: margin_m, .. } = *params;
         PositionPrior { current: find(&along, current), along, max_drift, margin_m }
     }
 

@@ -63,7 +63,7 @@ pub(super) fn verify(
         earlier_points: points_around(map, candidate, NEIGHBOURS),
     };
     guided_refinement(&mut verified, here, map, params)?;
-    if params.sensor.is_scale_free() {
+    if params.camera.sensor.is_scale_free() {
         verified.scale = scale_between(&verified, here, map);
     }
     Ok(verified)
@@ -113,7 +113,7 @@ fn similarity(
             params.weights.of_sample(&here.frame, i) * params.weights.of_sample(&there.frame, j)
         })
         .collect();
-    let estimator = SimilarityEstimator::new(a, b, params.sensor.is_scale_free());
+    let estimator = SimilarityEstimator::new(a, b, params.camera.sensor.is_scale_free());
     let options = RansacOptions {
         sample_size: SimilarityEstimator::SAMPLE_SIZE,
         max_iterations: 300,

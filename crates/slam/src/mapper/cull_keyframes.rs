@@ -3,7 +3,7 @@
 use map::{KeyframeId, Map};
 
 use super::Mapper;
-use crate::params::{MappingParams, Params};
+use crate::params::Params;
 
 /// Observers, at the same or a finer scale, that make an observation redundant.
 const MIN_OBSERVERS: usize = 3;
@@ -31,14 +31,14 @@ impl Mapper {
 }
 
 fn is_redundant(map: &Map, id: KeyframeId, params: &Params) -> bool {
-    let MappingParams { redundant_ratio: ratio, close_depth_m, .. } = params.mapping;
+    let (ratio, close_depth_m) = (params.mapping.keyframe_cull_ratio, params.camera.close_depth_m);
     let Some(keyframe) = map.keyframe(id) else { return false };
     let mut n_points = 0;
     let mut n_redundant = 0;
     for (feature, point) in keyframe.points().iter().enumerate() {
         let Some(point) = point.and_then(|id| map.point(id)) else { continue };
         let depth = f64::from(keyframe.frame.depth[feature]);
-        if !params.sensor.is_scale_free() && (depth.is_nan() || depth > close_depth_m) {
+        if !params.camera.sensor.is_scale_free() && (depth.is_nan() || depth > close_depth_m) {
             continue;
         }
         n_points += 1;

@@ -18,13 +18,16 @@ impl Mapper {
     pub(super) fn cull_points(&mut self, keyframe: KeyframeId) -> usize {
         let young = std::mem::take(&mut self.young);
         let mut dropped = 0;
-        let needed =
-            if self.params.sensor.is_scale_free() { MIN_MONOCULAR_OBSERVATIONS } else { MIN_OBSERVATIONS };
+        let needed = if self.params.camera.sensor.is_scale_free() {
+            MIN_MONOCULAR_OBSERVATIONS
+        } else {
+            MIN_OBSERVATIONS
+        };
         for id in young {
             let Some(point) = self.world.map.point(id) else { continue };
             let age = keyframe.0.saturating_sub(point.created_by.0);
             let rarely_found =
-                f64::from(point.found) < self.params.mapping.min_found_ratio * f64::from(point.seen);
+                f64::from(point.found) < self.params.mapping.point_found_ratio * f64::from(point.seen);
             let lonely = age >= PROBATION && stereo_observations(&self.world.map, point) < needed;
             if rarely_found || lonely {
                 if self.world.map.remove_point(id).is_ok() {

@@ -34,7 +34,7 @@ impl Mapper {
             self.world.map.keyframe(id).map_or(Vec::new(), |kf| kf.best_covisible(n).to_vec())
         };
         let mut targets = Vec::new();
-        for (first, _) in best(keyframe, mapping.neighbours) {
+        for (first, _) in best(keyframe, self.params.neighbours()) {
             let second = best(first, mapping.second_neighbours).into_iter().map(|(id, _)| id);
             for id in std::iter::once(first).chain(second) {
                 if id != keyframe && !targets.contains(&id) {

@@ -7,7 +7,7 @@ use geometry::{SE3, Vec3};
 use map::{Batch, KeyframeId, NewKeyframe, NewPoint, Observation, Parent, PointId};
 
 use super::Mapper;
-use crate::params::MappingParams;
+use crate::params::Params;
 use crate::tracker::{InitialPair, KeyframeRequest, Placement};
 
 impl Mapper {
@@ -21,7 +21,7 @@ impl Mapper {
         };
         let matches = self.world.map.resolve_matches(&request.matches);
         let keyframe = self.world.map.next_keyframe_id();
-        let points = depth_points(&request.frame, &cam_from_world, &matches, &self.params.mapping)
+        let points = depth_points(&request.frame, &cam_from_world, &matches, &self.params)
             .into_iter()
             .map(|(feature, position)| NewPoint {
                 position,
@@ -70,7 +70,7 @@ fn depth_points(
     frame: &Frame,
     cam_from_world: &SE3,
     matches: &[(u32, PointId)],
-    params: &MappingParams,
+    params: &Params,
 ) -> Vec<(u32, Vec3)> {
     let mut matched = vec![false; frame.len()];
     for &(feature, _) in matches {
@@ -81,7 +81,9 @@ fn depth_points(
     let world_from_cam = cam_from_world.inverse();
     let mut points = Vec::new();
     for (rank, &feature) in by_depth.iter().enumerate() {
-        if f64::from(frame.depth[feature]) > params.close_depth_m && rank >= params.min_depth_points {
+        if f64::from(frame.depth[feature]) > params.camera.close_depth_m
+            && rank >= params.mapping.min_depth_points
+        {
             break;
         }
         if !matched[feature]

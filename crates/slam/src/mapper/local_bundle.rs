@@ -16,8 +16,11 @@ impl Mapper {
         }
         let Some(local) = self.local_problem(keyframe) else { return MappingReport::default() };
         let mapping = &self.params.mapping;
-        let robust =
-            BundleOptions { max_iterations: mapping.first_iterations, robust: true, ..Default::default() };
+        let robust = BundleOptions {
+            max_iterations: mapping.local_ba_first_iterations,
+            robust: true,
+            ..Default::default()
+        };
         let first = refine_bundle(&local.problem, &robust);
         let agreeing = local.problem.observations.iter().zip(&first.inliers).filter(|(_, agrees)| **agrees);
         let inliers = BundleProblem {
@@ -27,8 +30,11 @@ impl Mapper {
             points: first.points.clone(),
             observations: agreeing.map(|(observation, _)| *observation).collect(),
         };
-        let plain =
-            BundleOptions { max_iterations: mapping.second_iterations, robust: false, ..Default::default() };
+        let plain = BundleOptions {
+            max_iterations: mapping.local_ba_second_iterations,
+            robust: false,
+            ..Default::default()
+        };
         let second = refine_bundle(&inliers, &plain);
         self.write_back(&local, &second)
     }

@@ -24,7 +24,7 @@ impl Mapper {
     /// Triangulates with the best covisible keyframes in turn; returns the number of new points.
     pub(super) fn triangulate(&mut self, keyframe: KeyframeId) -> usize {
         let neighbours = match self.world.map.keyframe(keyframe) {
-            Some(kf) => kf.best_covisible(self.params.mapping.neighbours).to_vec(),
+            Some(kf) => kf.best_covisible(self.params.neighbours()).to_vec(),
             None => return 0,
         };
         neighbours.into_iter().map(|(neighbour, _)| self.triangulate_with(keyframe, neighbour)).sum()
@@ -72,7 +72,7 @@ impl Mapper {
     /// Depths at which two keyframes can see points; `None` when they are too near to each other to tell.
     fn depth_range(&self, a: &View<'_>, b: &View<'_>, neighbour: KeyframeId) -> Option<(f64, f64)> {
         let distance = (a.center - b.center).norm();
-        if self.params.sensor.is_scale_free() {
+        if self.params.camera.sensor.is_scale_free() {
             let depth = median_depth(&self.world.map, neighbour)?;
             (distance >= MIN_PARALLAX * depth).then_some((MIN_RELATIVE_DEPTH * depth, f64::INFINITY))
         } else {

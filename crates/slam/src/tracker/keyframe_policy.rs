@@ -51,14 +51,14 @@ pub(crate) struct Counts {
     pub(crate) close_tracked: usize,
     pub(crate) close_untracked: usize,
     pub(crate) ratio: f64,
-    pub(crate) min_close_tracked: usize,
-    pub(crate) max_close_untracked: usize,
+    pub(crate) close_tracked_min: usize,
+    pub(crate) close_untracked_max: usize,
 }
 
 /// Conditions A (gap), B (idle mapper), C (weak) and D (worth it); a keyframe is due when (A or B or C) and D.
 pub(crate) fn decide(counts: &Counts) -> Option<KeyframeReason> {
-    let few_close = counts.close_tracked < counts.min_close_tracked
-        && counts.close_untracked > counts.max_close_untracked;
+    let few_close = counts.close_tracked < counts.close_tracked_min
+        && counts.close_untracked > counts.close_untracked_max;
     let ratio = if counts.n_keyframes < 2 { YOUNG_RATIO } else { counts.ratio };
     let reference = counts.reference_points as f64;
     let few_shared = (counts.inliers as f64) < ratio * reference;
@@ -93,7 +93,7 @@ impl Tracker {
                 .filter(|&&id| map.point(id).is_some_and(|p| stereo_observations(map, p) >= min_observations))
                 .count()
         });
-        let close_depth = self.params.tracking.close_depth_m as f32;
+        let close_depth = self.params.camera.close_depth_m as f32;
         let mut tracked = vec![false; frame.len()];
         for &(feature, _) in &local.matches {
             tracked[feature as usize] = true;
@@ -103,17 +103,17 @@ impl Tracker {
         };
         decide(&Counts {
             frames_since_keyframe: frame.index.saturating_sub(self.last_keyframe_index),
-            max_gap: self.params.tracking.max_keyframe_gap,
+            max_gap: self.params.camera.max_keyframe_gap,
             mapper_idle,
-            monocular: self.params.sensor.is_scale_free(),
+            monocular: self.params.camera.sensor.is_scale_free(),
             n_keyframes,
             reference_points,
             inliers: local.matches.len(),
             close_tracked: close(true),
             close_untracked: close(false),
-            ratio: self.params.tracking.keyframe_ratio,
-            min_close_tracked: self.params.tracking.min_close_tracked,
-            max_close_untracked: self.params.tracking.max_close_untracked,
+            ratio: self.params.keyframe_ratio(),
+            close_tracked_min: self.params.tracking.close_tracked_min,
+            close_untracked_max: self.params.tracking.close_untracked_max,
         })
     }
 }

@@ -83,7 +83,7 @@ impl LocalMap {
         predicted: &Prediction,
         params: &Params,
     ) -> LocallyTracked {
-        let factor = params.tracking.local_radius_factor;
+        let factor = params.camera.local_radius_factor;
         let mut start = predicted.clone();
         if predicted.attempt != Attempt::Motion {
             // A rough pose: a first search in wide windows makes it a good one.

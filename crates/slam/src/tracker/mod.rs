@@ -253,9 +253,9 @@ impl Tracker {
     /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth, or for the first
     /// two if there is one camera only and it has moved enough.
     fn start(&mut self, frame: &Arc<Frame>, cam_from_world: SE3) -> Tracked {
-        let (found, needed) = (frame.n_with_depth(), self.params.tracking.min_initial_depths);
+        let (found, needed) = (frame.n_with_depth(), self.params.tracking.init_min_features);
         let mut pair = None;
-        if self.params.sensor.is_scale_free() {
+        if self.params.camera.sensor.is_scale_free() {
             match Initializer::advance(&mut self.initializer, frame, cam_from_world, &self.params) {
                 Ok(found) => pair = Some(Arc::new(found)),
                 Err(reason) => return not_tracked(TrackState::NotReady(NotReady::NoPair(reason)), None),
@@ -287,9 +287,9 @@ impl Tracker {
         self.velocity = None;
         let tracking = &self.params.tracking;
         let could_start =
-            self.params.sensor.is_scale_free() || frame.n_with_depth() >= tracking.min_initial_depths;
+            self.params.camera.sensor.is_scale_free() || frame.n_with_depth() >= tracking.init_min_features;
         self.lost_frames += u32::from(could_start);
-        if self.lost_frames > tracking.max_lost_frames && !tracking.localize_only {
+        if self.lost_frames > self.params.camera.max_lost_frames && !tracking.localize_only {
             let started =
                 self.start(frame, last.as_ref().map_or(SE3::identity(), |last| last.cam_from_world(map)));
             if started.keyframe.is_some() {

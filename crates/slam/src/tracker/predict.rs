@@ -67,12 +67,15 @@ impl Tracker {
             None => last_cam_from_world,
         };
         // Without depth there is no measure of what a long way is.
-        let far =
-            if self.params.sensor.is_scale_free() { f64::INFINITY } else { frame.rig.stereo.baseline_m };
+        let far = if self.params.camera.sensor.is_scale_free() {
+            f64::INFINITY
+        } else {
+            frame.rig.stereo.baseline_m
+        };
         let sources = last_points(map, last, &last_cam_from_world);
         let mut lost = Lost::TooFewMatches { found: 0, needed: tracking.min_motion_matches };
         for widening in WIDENINGS {
-            let radius_px = widening * tracking.motion_radius_px;
+            let radius_px = widening * self.params.camera.motion_radius_px;
             let matches =
                 search_last(frame, last, &last_cam_from_world, &predicted, &sources, radius_px, far);
             let (found, needed) = (matches.len(), tracking.min_motion_matches);

@@ -49,7 +49,8 @@ fn removed_keyframes_are_no_candidates() {
 /// Candidates of the last of twelve keyframes that all look the same, a metre apart, with a margin of the prior.
 fn found(prior_margin_m: f64) -> Vec<u32> {
     let world = described(chain(&line(12, 1.0), 16));
-    let params = LoopParams { prior_margin_m, ..params().loops };
+    let mut params = params();
+    params.camera.prior_margin_m = prior_margin_m;
     find(KeyframeId(11), &world, &params).unwrap().iter().map(|id| id.0).collect()
 }
 
@@ -80,7 +81,7 @@ fn half_the_score_is_enough_for_a_near_keyframe() {
         add(&mut map, scene.frame(1, &pose(1), &all), &pose(1), &[], &new);
         let matches: Vec<(u32, u32)> = (0..20).map(|i| (i, i + 1)).collect();
         add(&mut map, scene.frame(2, &pose(2), &all), &pose(2), &matches, &[]);
-        find(KeyframeId(2), &described(map), &params().loops)
+        find(KeyframeId(2), &described(map), &params())
     };
     assert_eq!(candidates(45), Ok(vec![KeyframeId(0)]));
     let Err(NoLoop::Alone { best_score, min_score }) = candidates(15) else { panic!("{:?}", candidates(15)) };
@@ -94,5 +95,5 @@ fn half_the_score_is_enough_for_a_near_keyframe() {
 fn without_a_description_no_place_is_recognized() {
     let map = chain(&[SE3::identity()], 16);
     let world = World { map, ..World::default() };
-    assert_eq!(find(KeyframeId(0), &world, &params().loops), Err(NoLoop::NoPlaces));
+    assert_eq!(find(KeyframeId(0), &world, &params()), Err(NoLoop::NoPlaces));
 }

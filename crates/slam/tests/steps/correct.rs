@@ -60,7 +60,7 @@ fn one_camera_takes_back_the_drift_of_its_scale() {
     let poses = drifted(&SE3::identity(), 1.02);
     let map = chain(&poses, 16);
     let mut mono = crate::Params::mono(10.0);
-    mono.loops.unit = 1.0;
+    mono.camera.unit = 1.0;
     let scale = 1.02_f64.powi(15);
     let before = (poses[15].center() - truth(15).center()).norm();
     let found = correct(KeyframeId(15), &verified(truth(15), scale, Vec::new()), &map, &mono).unwrap();

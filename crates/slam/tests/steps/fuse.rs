@@ -123,6 +123,6 @@ fn neighbours_of_first_and_second_order_are_looked_at_once() {
     assert_eq!(targets(&few, &map), vec![1, 0, 3, 4]);
     few.mapping.second_neighbours = 0;
     assert_eq!(targets(&few, &map), vec![1, 3]);
-    few.mapping.neighbours = 1;
+    few.mapping.neighbours = Some(1);
     assert_eq!(targets(&few, &map), vec![1]);
 }

@@ -20,7 +20,9 @@ fn chosen(
 ) -> Vec<u32> {
     let frame = scene.frame(0, &SE3::identity(), shots);
     let matches: Vec<(u32, PointId)> = matched.iter().map(|&i| (i, PointId(i))).collect();
-    let params = MappingParams { close_depth_m, min_depth_points, ..params().mapping };
+    let mut params = params();
+    params.camera.close_depth_m = close_depth_m;
+    params.mapping.min_depth_points = min_depth_points;
     let points = depth_points(&frame, &SE3::identity(), &matches, &params);
     points.into_iter().map(|(feature, _)| feature).collect()
 }
@@ -51,7 +53,7 @@ fn positions_are_in_the_world() {
     let scene = depths(&[10.0, 12.0]);
     let pose = at(0.3, -0.2, 1.0);
     let frame = scene.whole(0, &pose);
-    for (feature, position) in depth_points(&frame, &pose, &[], &params().mapping) {
+    for (feature, position) in depth_points(&frame, &pose, &[], &params()) {
         let error = (position - scene.landmarks[feature as usize]).norm();
         assert!(error < 1e-3, "{error} m");
     }

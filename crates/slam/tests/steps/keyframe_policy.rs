@@ -18,8 +18,8 @@ const QUIET: Counts = Counts {
     close_tracked: 200,
     close_untracked: 200,
     ratio: 0.75,
-    min_close_tracked: 100,
-    max_close_untracked: 70,
+    close_tracked_min: 100,
+    close_untracked_max: 70,
 };
 
 #[test]
@@ -110,21 +110,21 @@ fn the_reference_counts_points_with_three_observations() {
     // Of the last keyframe 20 points have four observations (two keyframes, stereo), 20 have two. In a map of three
     // keyframes only the former count: 0.75 of them are 15; with two keyframes all 40 do: 30.
     let mut relaxed = params();
-    relaxed.tracking.max_close_untracked = 1000;
+    relaxed.tracking.close_untracked_max = 1000;
     assert_eq!(decided(3, 19, &relaxed, |_| {}), None);
     assert_eq!(decided(2, 29, &relaxed, |_| {}), Some(KeyframeReason::FewShared));
     assert_eq!(decided(2, 30, &relaxed, |_| {}), None);
-    relaxed.tracking.keyframe_ratio = 0.96;
+    relaxed.tracking.keyframe_ratio = Some(0.96);
     assert_eq!(decided(3, 19, &relaxed, |_| {}), Some(KeyframeReason::FewShared));
 }
 
 #[test]
 fn close_features_are_those_nearer_than_the_limit() {
     // 20 matched, 20 not; all are 8 to 12 m away.
-    let with = |close_depth_m: f64, max_close_untracked: usize| {
+    let with = |close_depth_m: f64, close_untracked_max: usize| {
         let mut params = params();
-        params.tracking.close_depth_m = close_depth_m;
-        params.tracking.max_close_untracked = max_close_untracked;
+        params.camera.close_depth_m = close_depth_m;
+        params.tracking.close_untracked_max = close_untracked_max;
         decided(3, 20, &params, |_| {})
     };
     assert_eq!(with(20.0, 19), Some(KeyframeReason::FewClose));
@@ -135,7 +135,7 @@ fn close_features_are_those_nearer_than_the_limit() {
 #[test]
 fn a_map_that_is_only_read_gets_no_keyframe() {
     let mut only = params();
-    only.tracking.max_close_untracked = 0;
+    only.tracking.close_untracked_max = 0;
     assert!(decided(3, 20, &only, |_| {}).is_some());
     only.tracking.localize_only = true;
     assert_eq!(decided(3, 20, &only, |_| {}), None);

@@ -4,7 +4,11 @@ use super::*;
 use crate::scene::{Scene, add_under, at, chain, line, params};
 
 fn prior(map: &Map, current: u32, max_drift: f64, prior_margin_m: f64) -> PositionPrior {
-    PositionPrior::new(map, KeyframeId(current), &LoopParams { max_drift, prior_margin_m, ..params().loops })
+    PositionPrior::new(
+        map,
+        KeyframeId(current),
+        &CameraParams { max_drift, prior_margin_m, ..params().camera },
+    )
 }
 
 #[test]

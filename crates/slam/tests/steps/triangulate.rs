@@ -27,7 +27,8 @@ fn two_views(scene: &Scene, distance_m: f64, stereo: bool, change: impl Fn(&mut 
 
 fn triangulated(distance_m: f64, params: &Params, change: impl Fn(&mut Shot)) -> Mapper {
     let scene = Scene::wall(20);
-    let mut mapper = mapper(two_views(&scene, distance_m, !params.sensor.is_scale_free(), change), params);
+    let mut mapper =
+        mapper(two_views(&scene, distance_m, !params.camera.sensor.is_scale_free(), change), params);
     let n_new = mapper.triangulate(KeyframeId(1));
     assert_eq!(mapper.world.map.n_points(), SHARED + n_new);
     assert_eq!(mapper.young.len(), n_new, "all are on probation");

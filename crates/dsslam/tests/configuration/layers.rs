@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use dsslam_io::{Config, Literal, Provenance, SCHEMA, Sensor};
+use dsslam::{Config, SCHEMA};
+use geometry::Sensor;
+use io::Provenance;
 use proptest::prelude::*;
 
 use super::support::Folder;
@@ -26,34 +28,6 @@ fn defaults() {
     assert_eq!((config.stereo.close_depth_baselines, config.tracking.min_inliers), (40.0, 30));
     assert_eq!((config.camera.fx, config.input.sensor), (None, None));
     assert_eq!(config.provenance("features.keep"), &Provenance::Default);
-}
-
-#[test]
-fn the_table_is_sound() {
-    for (position, entry) in SCHEMA.iter().enumerate() {
-        assert!(!entry.help.is_empty() && !entry.help.contains('\n'), "{}", entry.key);
-        assert!(SCHEMA[..position].iter().all(|other| other.key != entry.key), "{} stands twice", entry.key);
-        // Every default lies in its own range: given by hand, it is accepted and changes nothing.
-        let text = match entry.default {
-            Some(Literal::Flag(flag)) => flag.to_string(),
-            Some(Literal::Integer(integer)) => integer.to_string(),
-            Some(Literal::Real(real)) => real.to_string(),
-            Some(Literal::Text(text)) => text.to_string(),
-            None => continue,
-        };
-        let given = Config::load(None, &[format!("{}={text}", entry.key)]).unwrap();
-        assert_eq!(values(&given), values(&Config::load(None, &[]).unwrap()), "{}", entry.key);
-    }
-}
-
-#[test]
-fn sections_stand_together() {
-    let mut sections: Vec<&str> = SCHEMA.iter().map(|entry| entry.section()).collect();
-    sections.dedup();
-    let n_runs = sections.len();
-    sections.sort_unstable();
-    sections.dedup();
-    assert_eq!(n_runs, sections.len(), "a section is torn apart");
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Rules that tie several keys together.
 
+use io::Problem;
+
 use super::Config;
-use super::problem::Problem;
 
 /// All rules that a configuration breaks.
 pub(super) fn check(config: &Config) -> Vec<Problem> {

@@ -1,6 +1,6 @@
 //! Broken configurations: the exact message, all problems at once.
 
-use dsslam_io::Config;
+use dsslam::Config;
 
 use super::support::Folder;
 

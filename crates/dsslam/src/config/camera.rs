@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use geometry::{Distortion, Pinhole, Sensor, StereoRig};
+use io::{Calibration, Provenance};
 
 use super::Config;
-use super::problem::Provenance;
-use crate::dataset::Calibration;
 
 /// Why no camera is known.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -60,7 +59,7 @@ impl Config {
             changed.push((key, Some(old), new));
         }
         for (key, old, new) in changed {
-            let place = self.provenance.insert(key.to_string(), Provenance::Calibration(source.clone()));
+            let place = self.origins.set(key, Provenance::Calibration(source.clone()));
             if let (Some(old), Some(place)) = (old.filter(|old| *old != new), place) {
                 notices.push(format!("{key} = {old} ({place}) is replaced by {new} from {source}"));
             }
@@ -72,7 +71,7 @@ impl Config {
     pub fn apply_frame_rate(&mut self, frame_rate_hz: f64, source: &str) -> Option<String> {
         let old = std::mem::replace(&mut self.camera.fps, frame_rate_hz);
         let key = "camera.fps";
-        let place = self.provenance.insert(key.to_string(), Provenance::Calibration(source.to_string()))?;
+        let place = self.origins.set(key, Provenance::Calibration(source.to_string()))?;
         (old != frame_rate_hz)
             .then(|| format!("{key} = {old} ({place}) is replaced by {frame_rate_hz} from {source}"))
     }

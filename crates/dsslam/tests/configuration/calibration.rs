@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use dsslam_io::{Calibration, Config, Provenance, Sensor};
-use geometry::{Distortion, Pinhole, StereoRig};
+use dsslam::Config;
+use geometry::{Distortion, Pinhole, Sensor, StereoRig};
+use io::{Calibration, Provenance};
 
 use super::support::Folder;
 

@@ -1,0 +1,112 @@
+//! The configuration: defaults, a YAML file, `--set` arguments, and the calibration of the dataset, in rising order of power.
+//! Its sections are the parameter structs of the crates that use them: a new key stands there and nowhere else.
+
+mod camera;
+mod rules;
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use features::{ExtractorConfig, StereoConfig};
+use io::{CameraSettings, ConfigErrors, Explained, InputSettings, Origins, Provenance};
+use runtime::Lags;
+use serde::{Deserialize, Serialize};
+use settings::{Entry, Section, integer};
+use slam::{LoopParams, MappingParams, TrackingParams, Weights};
+
+pub use camera::CameraError;
+
+/// A complete, checked configuration. [`SCHEMA`] documents its keys.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// The camera, used where the dataset has no calibration file.
+    pub camera: CameraSettings,
+    /// What is read.
+    pub input: InputSettings,
+    /// Keypoints.
+    pub features: ExtractorConfig,
+    /// Where the activation of features counts.
+    pub weights: Weights,
+    /// Depth from two images.
+    pub stereo: StereoConfig,
+    /// Poses of frames.
+    pub tracking: TrackingParams,
+    /// The map.
+    pub mapping: MappingParams,
+    /// Places seen again.
+    pub loops: LoopParams,
+    /// How the stages of a run share time.
+    pub runtime: Lags,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Where each value comes from that is not a default.
+    #[serde(skip)]
+    origins: Origins,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            camera: CameraSettings::default(),
+            input: InputSettings::default(),
+            features: ExtractorConfig::default(),
+            weights: Weights::default(),
+            stereo: StereoConfig::default(),
+            tracking: TrackingParams::default(),
+            mapping: MappingParams::default(),
+            loops: LoopParams::default(),
+            runtime: Lags::default(),
+            seed: 1,
+            origins: Origins::default(),
+        }
+    }
+}
+
+/// All keys, in the order in which they are written.
+pub static SCHEMA: LazyLock<Vec<Entry>> = LazyLock::new(|| {
+    let sections = [
+        CameraSettings::KEYS,
+        InputSettings::KEYS,
+        ExtractorConfig::KEYS,
+        Weights::KEYS,
+        StereoConfig::KEYS,
+        TrackingParams::KEYS,
+        MappingParams::KEYS,
+        LoopParams::KEYS,
+        Lags::KEYS,
+    ];
+    let seed = integer("seed", "", [0, i64::MAX], "seed of all random numbers");
+    sections.into_iter().flatten().copied().chain([seed]).collect()
+});
+
+impl Config {
+    /// Reads a configuration: the defaults, over them the file's values, over them the overrides (`key=value`, the last
+    /// one wins).
+    ///
+    /// # Errors
+    /// [`ConfigErrors`] with everything that is wrong in the file and the overrides.
+    pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<Self, ConfigErrors> {
+        let (config, origins): (Self, Origins) = io::read_config(&SCHEMA, path, overrides)?;
+        let config = Self { origins, ..config };
+        let problems = rules::check(&config);
+        if problems.is_empty() { Ok(config) } else { Err(ConfigErrors(problems)) }
+    }
+
+    /// Where the value of a key comes from.
+    pub fn provenance(&self, key: &str) -> &Provenance {
+        self.origins.of(key)
+    }
+
+    /// All keys in the order of [`SCHEMA`], with the values in force.
+    #[must_use]
+    pub fn explain(&self) -> Vec<Explained<'_>> {
+        io::explain(&SCHEMA, self, &self.origins)
+    }
+
+    /// All keys with the values in force as YAML, each with its meaning, unit and origin as a comment; keys that are absent
+    /// stand there as comments. Reading it gives the same configuration.
+    pub fn to_yaml(&self) -> String {
+        io::to_yaml("Complete configuration, as in force.", &self.explain())
+    }
+}

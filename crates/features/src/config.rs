@@ -1,0 +1,119 @@
+//! The section `features` of the configuration.
+
+use geometry::Sensor;
+use serde::{Deserialize, Serialize};
+use settings::{Entry, Section, between, choice, flag, integer, optional_integer, real};
+
+use crate::selection::{SelectionConfig, SelectionRule, Spread};
+
+/// How features are extracted and chosen: the section `features` of the configuration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ExtractorConfig {
+    /// Most features per image.
+    pub keep: usize,
+    /// The same with a single camera, whose maps need more of them; `None`: `keep`.
+    pub keep_mono: Option<usize>,
+    /// By what they are chosen.
+    pub selection: SelectionRule,
+    /// Features among which a network chooses.
+    pub candidates: usize,
+    /// Whether those that a network chooses are spread over the image.
+    pub spread: Spread,
+    /// Threads of the network; no result depends on them.
+    pub network_threads: usize,
+    /// Pyramid levels.
+    pub levels: usize,
+    /// Ratio between levels.
+    pub scale_factor: f64,
+    /// FAST threshold that a cell uses when it has such corners.
+    pub fast_initial: u8,
+    /// FAST threshold for cells that have none.
+    pub fast_minimum: u8,
+    /// Whether positions are refined below a pixel of their level.
+    pub subpixel: bool,
+}
+
+impl Default for ExtractorConfig {
+    fn default() -> Self {
+        Self {
+            keep: 2000,
+            keep_mono: None,
+            selection: SelectionRule::Response,
+            candidates: 2000,
+            spread: Spread::Cells,
+            network_threads: 1,
+            levels: 8,
+            scale_factor: 1.2,
+            fast_initial: 20,
+            fast_minimum: 7,
+            subpixel: true,
+        }
+    }
+}
+
+#[rustfmt::skip]
+impl Section for ExtractorConfig {
+    const KEYS: &'static [Entry] = &[
+        integer("features.keep", "", [50, 100_000], "keypoints kept per image"),
+        optional_integer("features.keep_mono", "", [50, 100_000], "keypoints kept of a single camera, whose maps need more of them; absent: keep"),
+        choice("features.selection", SelectionRule::WORDS, "by what they are chosen; the first two need ONNX Runtime"),
+        integer("features.candidates", "", [50, 100_000], "keypoints among which activation or semantic choose").expert(),
+        choice("features.spread", Spread::WORDS, "those chosen by activation or semantic: the best of each cell, or of the image").expert(),
+        integer("features.network_threads", "", [1, 64], "threads of the network; no result depends on them").expert(),
+        integer("features.levels", "", [1, 16], "levels of the image pyramid").expert(),
+        real("features.scale_factor", "", between(1.01, 2.0), "ratio of the sizes of two neighbouring levels").expert(),
+        integer("features.fast_initial", "grey levels", [1, 255], "FAST threshold tried first in a cell").expert(),
+        integer("features.fast_minimum", "grey levels", [1, 255], "FAST threshold of a cell where the first finds nothing").expert(),
+        flag("features.subpixel", "refine the position of keypoints below one pixel").expert(),
+    ];
+}
+
+impl ExtractorConfig {
+    /// The settings with this sensor: `keep` is the number kept with it.
+    #[must_use]
+    pub fn with_sensor(&self, sensor: Sensor) -> Self {
+        let keep = match sensor {
+            Sensor::Mono => self.keep_mono.unwrap_or(self.keep),
+            Sensor::Stereo | Sensor::Rgbd => self.keep,
+        };
+        Self { keep, ..self.clone() }
+    }
+
+    /// How a network chooses; `None` where none takes part.
+    pub fn choice(&self) -> Option<SelectionConfig> {
+        let Self { selection: rule, keep, spread, .. } = *self;
+        (rule != SelectionRule::Response).then_some(SelectionConfig { rule, keep, spread })
+    }
+
+    /// Features extracted: all that are kept, or the candidates of a network.
+    pub(crate) fn n_extracted(&self) -> usize {
+        if self.choice().is_some() { self.candidates.max(self.keep) } else { self.keep }
+    }
+
+    /// The ratio between levels as scales are computed with it.
+    pub(crate) fn level_ratio(&self) -> f32 {
+        self.scale_factor as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_camera_keeps_features_of_its_own_number() {
+        let config = ExtractorConfig { keep: 500, keep_mono: Some(1500), ..ExtractorConfig::default() };
+        assert_eq!([Sensor::Mono, Sensor::Stereo].map(|s| config.with_sensor(s).keep), [1500, 500]);
+        let config = ExtractorConfig { keep_mono: None, ..config };
+        assert_eq!(config.with_sensor(Sensor::Mono).keep, 500, "absent: as many as of the others");
+    }
+
+    #[test]
+    fn a_network_chooses_among_the_candidates() {
+        let plain = ExtractorConfig { keep: 500, candidates: 900, ..ExtractorConfig::default() };
+        assert_eq!((plain.n_extracted(), plain.choice()), (500, None));
+        let chosen = ExtractorConfig { selection: SelectionRule::Semantic, ..plain };
+        assert_eq!((chosen.n_extracted(), chosen.choice().map(|c| c.keep)), (900, Some(500)));
+    }
+}

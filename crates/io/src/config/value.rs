@@ -1,0 +1,60 @@
+//! A value as somebody gave it.
+
+use std::fmt;
+
+use serde_json::Value as Json;
+use settings::{Entry, Kind};
+
+/// A value of the configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    /// Nothing stands there.
+    Nothing,
+    /// A truth value.
+    Flag(bool),
+    /// A whole number.
+    Integer(i64),
+    /// Any other number.
+    Real(f64),
+    /// Anything else.
+    Text(String),
+}
+
+impl Value {
+    /// Whether it has the type of the key and lies in its range.
+    pub(super) fn is_accepted_by(&self, entry: &Entry) -> bool {
+        match (entry.kind, self) {
+            (Kind::Integer { least, most }, Self::Integer(value)) => (least..=most).contains(value),
+            (Kind::Real(range), Self::Integer(value)) => range.contains(*value as f64),
+            (Kind::Real(range), Self::Real(value)) => range.contains(*value),
+            (Kind::Flag, Self::Flag(_)) => true,
+            (Kind::Choice(words), Self::Text(text)) => words.contains(&text.as_str()),
+            (Kind::File, Self::Text(text)) => !text.is_empty(),
+            _ => false,
+        }
+    }
+}
+
+impl From<&Value> for Json {
+    fn from(value: &Value) -> Self {
+        match value {
+            Value::Nothing => Self::Null,
+            Value::Flag(flag) => Self::Bool(*flag),
+            Value::Integer(integer) => Self::from(*integer),
+            Value::Real(real) => Self::from(*real),
+            Value::Text(text) => Self::String(text.clone()),
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nothing => write!(f, "nothing"),
+            Self::Flag(flag) => write!(f, "{flag}"),
+            Self::Integer(integer) => write!(f, "{integer}"),
+            Self::Real(real) => write!(f, "{real:?}"),
+            Self::Text(text) => write!(f, "{text:?}"),
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! The section `mapping` of the configuration.
+
+use serde::{Deserialize, Serialize};
+use settings::{Entry, Section, between, integer, optional_integer, real};
+
+/// Parameters of the mapper: the section `mapping` of the configuration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MappingParams {
+    /// Covisible keyframes that triangulation and fusion look at; `None`: the sensor's own number.
+    pub neighbours: Option<usize>,
+    /// Robust iterations of the local bundle adjustment.
+    pub local_ba_first_iterations: usize,
+    /// Plain iterations after the outliers are out.
+    pub local_ba_second_iterations: usize,
+    /// A keyframe is redundant when this share of its close points is seen by three others.
+    pub keyframe_cull_ratio: f64,
+    /// Young points found in less than this share of the frames that should see them are dropped.
+    pub point_found_ratio: f64,
+    /// Second-order neighbours of each neighbour in fusion.
+    pub second_neighbours: usize,
+    /// Shared points from which two keyframes are optimised together.
+    pub min_covisible_weight: u32,
+    /// Keyframes that the local bundle adjustment moves at most.
+    pub max_local_keyframes: usize,
+    /// Close points made from depth when a keyframe is inserted; all that are closer are made anyway.
+    pub min_depth_points: usize,
+}
+
+impl Default for MappingParams {
+    fn default() -> Self {
+        Self {
+            neighbours: None,
+            local_ba_first_iterations: 5,
+            local_ba_second_iterations: 10,
+            keyframe_cull_ratio: 0.9,
+            point_found_ratio: 0.25,
+            second_neighbours: 5,
+            min_covisible_weight: 15,
+            max_local_keyframes: 40,
+            min_depth_points: 100,
+        }
+    }
+}
+
+#[rustfmt::skip]
+impl Section for MappingParams {
+    const KEYS: &'static [Entry] = &[
+        optional_integer("mapping.neighbours", "keyframes", [1, 100], "covisible keyframes with which a new one is triangulated and fused; absent: 10, monocular 20"),
+        integer("mapping.local_ba_first_iterations", "", [1, 1000], "local bundle adjustment: iterations with the robust kernel").expert(),
+        integer("mapping.local_ba_second_iterations", "", [0, 1000], "local bundle adjustment: iterations after outliers are gone").expert(),
+        real("mapping.keyframe_cull_ratio", "", between(0.1, 1.0), "a keyframe goes when more of its points are seen by three others").expert(),
+        real("mapping.point_found_ratio", "", between(0.0, 1.0), "a young point goes when it is found in fewer of the frames that should see it").expert(),
+    ];
+}

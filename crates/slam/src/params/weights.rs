@@ -1,0 +1,39 @@
+//! The section `weights` of the configuration.
+
+use features::Frame;
+use serde::{Deserialize, Serialize};
+use settings::{Entry, Section, flag};
+
+/// Where the activation of features counts, beside their selection: the section `weights` of the configuration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Weights {
+    /// In samples and scores of RANSAC.
+    pub ransac: bool,
+    /// In optimisation, as a factor on the information of an observation.
+    pub optimisation: bool,
+    /// In bags of words.
+    pub words: bool,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self { ransac: true, optimisation: false, words: true }
+    }
+}
+
+#[rustfmt::skip]
+impl Section for Weights {
+    const KEYS: &'static [Entry] = &[
+        flag("weights.ransac", "samples and scores of RANSAC are weighted by the activation of features").expert(),
+        flag("weights.optimisation", "observations count in optimisation as far as their features are trusted").expert(),
+        flag("weights.words", "words of a frame count as far as their features are trusted").expert(),
+    ];
+}
+
+impl Weights {
+    /// The weight of feature `i` in RANSAC.
+    pub(crate) fn of_sample(self, frame: &Frame, i: usize) -> f64 {
+        if self.ransac { f64::from(frame.activation[i]) } else { 1.0 }
+    }
+}
