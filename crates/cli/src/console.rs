@@ -1,6 +1,6 @@
 //! What the program says: results on standard output, everything else on standard error.
 //!
-//! A closed pipe (`dsslam run ... | head`) is no error; colours appear only on a terminal and never with `NO_COLOR`; progress bars appear
+//! A closed pipe (`dsslam run ... | head`) is not an error; colours appear only on a terminal and never with `NO_COLOR`; progress bars appear
 //! only on a terminal. `--quiet`, `-v` and `--log-format` are set once, before the command begins.
 
 use std::io::{IsTerminal, Write};
@@ -10,16 +10,16 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Map, Value};
 
-/// How much is said, and in which form: options of every command.
+/// Verbosity and format of the messages: options of every command.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct Voice {
-    /// Says nothing on standard error but warnings and errors, and shows no progress.
+    /// Suppresses everything on standard error except warnings and errors.
     #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = "Messages")]
     quiet: bool,
-    /// Says more: keyframes and loops; twice: every frame.
+    /// Reports more: keyframes and loops; given twice, every frame.
     #[arg(short, long, global = true, action = clap::ArgAction::Count, help_heading = "Messages")]
     verbose: u8,
-    /// Form of the messages on standard error.
+    /// Format of the messages on standard error.
     #[arg(
         long,
         value_enum,
@@ -31,10 +31,10 @@ pub(crate) struct Voice {
     log_format: LogFormat,
 }
 
-/// Form of the messages.
+/// Format of the messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LogFormat {
-    /// Lines for people.
+    /// Plain text.
     #[default]
     Text,
     /// A JSON object per line.

@@ -30,10 +30,10 @@ pub(crate) struct ExportArgs {
     /// and give the points their colours.
     #[arg(long, value_name = "SEQUENCE")]
     images: Option<PathBuf>,
-    /// What the colours of the points tell; by default the images where --images gives them, else the number of observations.
+    /// What the colors of the points show [default: the images if --images is given, else the number of observations].
     #[arg(long, value_enum)]
     color: Option<ColorArg>,
-    /// Which sub-map, from 0 by their number of keyframes: different sub-maps have nothing to do with each other.
+    /// Which sub-map, numbered from 0 by descending number of keyframes: different sub-maps are in unrelated coordinate frames.
     #[arg(long, value_name = "N", default_value_t = 0)]
     submap: usize,
 }
@@ -41,7 +41,7 @@ pub(crate) struct ExportArgs {
 /// Formats of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// Points with colours, for viewers of point clouds.
+    /// Colored points, for point cloud viewers.
     Ply,
     /// Sparse model: sparse/0 (binary), text/ (the same as text), images/.
     Colmap,
@@ -56,7 +56,7 @@ enum Format {
     Euroc,
 }
 
-/// What the colours of points tell.
+/// What the colors of points show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ColorArg {
     /// How the point looks in the images.
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Exit, Failure> {
 fn check(args: &ExportArgs) -> anyhow::Result<()> {
     let name = args.to.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
     let has_colors = args.images.is_some() || args.color.is_some();
-    ensure!(!(args.to.is_trajectory() && has_colors), "--images and --color have no use with --to {name}");
+    ensure!(!(args.to.is_trajectory() && has_colors), "--images and --color have no effect with --to {name}");
     let wants_image = args.color == Some(ColorArg::Image);
     ensure!(args.images.is_some() || !wants_image, "--color image needs --images SEQUENCE");
     Ok(())
@@ -130,7 +130,7 @@ fn describe(args: &ExportArgs, info: &MapFileInfo, scene: &Scene) {
     }
     let left_out = match scene.n_single {
         0 => String::new(),
-        n => format!(", {n} with a single observation left out"),
+        n => format!(", {n} with a single observation skipped"),
     };
     console::say(format!("points       {}{left_out}", scene.points.len()));
     let error = scene.reprojection();
@@ -140,7 +140,7 @@ fn describe(args: &ExportArgs, info: &MapFileInfo, scene: &Scene) {
     ));
     if scene.n_behind > 0 {
         console::note(console::warning(format!(
-            "{} observations of points behind their camera were left out",
+            "{} observations of points behind their camera were skipped",
             scene.n_behind
         )));
     }
@@ -229,7 +229,7 @@ fn tell_of_images(images: Option<&SceneImages>, folder: &Path) {
         Some(images) if images.are_redrawn() => written("images, rectified", folder),
         Some(_) => written("images, copied", folder),
         None => console::note(console::warning(
-            "no images were written: --images SEQUENCE writes those that the model names",
+            "no images written: --images SEQUENCE adds the images that the model refers to",
         )),
     }
 }

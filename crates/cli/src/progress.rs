@@ -7,7 +7,7 @@ use crate::clock::StopWatch;
 use crate::console::{self, Level, Message};
 use crate::telling;
 
-/// Dropped frames that are named one by one; all of them stand in `summary.json`.
+/// Dropped frames that are named one by one; `summary.json` lists all of them.
 const NAMED_DROPS: usize = 10;
 
 /// What tracking was doing at the last frame that could be read.
@@ -52,7 +52,7 @@ impl Progress {
                     let reason = reason.to_string();
                     self.tell(telling::frame_event(Level::Warning, "dropped", index, Some(&reason)));
                 } else if self.n_dropped == NAMED_DROPS + 1 {
-                    self.tell("further dropped frames are listed in summary.json".into());
+                    self.tell("all further dropped frames are listed in summary.json".into());
                 }
                 return;
             }

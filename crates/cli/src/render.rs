@@ -48,7 +48,7 @@ pub(crate) fn world(args: &WorldArgs) -> Result<World> {
     if args.relight {
         ensure!(
             args.rounds > 1,
-            "--relight changes the light of the second round and later ones, but found --rounds 1"
+            "--relight changes the light from the second round on, but found --rounds 1"
         );
         ensure!(
             args.preset != Preset::Facades,
@@ -64,7 +64,7 @@ pub(crate) fn n_frames(args: &WorldArgs, world: &World) -> usize {
     args.frames.map_or(world.n_frames(), |n| world.n_frames().min(n as usize))
 }
 
-/// Preset, seed and length in words.
+/// Preset, seed and length as text.
 pub(crate) fn describe(world: &World) -> String {
     let course = if world.is_closed() { "closed course" } else { "street" };
     format!("{} (seed {}, {course} of {:.0} m)", world.preset(), world.seed(), world.course_length_m())

@@ -22,12 +22,12 @@ pub(crate) struct CompletionsArgs {
 /// Arguments of `dsslam shell man`.
 #[derive(Debug, Args)]
 pub(crate) struct ManArgs {
-    /// Writes a page for the program and for each command into this folder; without it the program's page is printed.
+    /// Writes one page per command into this folder [default: prints the program's page].
     #[arg(value_name = "DIR")]
     dir: Option<PathBuf>,
 }
 
-/// Prints the completions of a shell.
+/// Prints shell completions.
 pub(crate) fn completions(args: &CompletionsArgs) -> Result<Exit, Failure> {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "dsslam", &mut text);
@@ -95,7 +95,7 @@ fn has_commands(command: &Command) -> bool {
     command.get_subcommands().any(|command| !command.is_hide_set())
 }
 
-/// Text as it stands: each paragraph under its first line as a heading where that ends with a colon.
+/// Verbatim text: each paragraph under its first line as a heading where that ends with a colon.
 fn literally(text: &str) -> String {
     let mut roff = String::new();
     for paragraph in text.split("\n\n").filter(|paragraph| !paragraph.trim().is_empty()) {

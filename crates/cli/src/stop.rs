@@ -14,7 +14,7 @@ pub(crate) fn on_signal() -> Arc<AtomicBool> {
         if flag.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(Exit::Interrupted.code()));
         }
-        console::note("stopping after this frame; once more ends at once, without results");
+        console::note("stopping after this frame; press Ctrl-C again to quit at once, without results");
     });
     if let Err(error) = installed {
         console::note(console::warning(format!("Ctrl-C will end the program without results: {error}")));

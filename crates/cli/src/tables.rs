@@ -1,4 +1,4 @@
-//! The tables of a run: what became of each frame, which loops were looked at, how long each stage took.
+//! The tables of a run: the outcome of each frame, the loops that were verified, the time of each stage.
 
 use runtime::{FrameRecord, FrameStatus, LoopRecord, LoopResult, Timings};
 
@@ -21,7 +21,7 @@ pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
     text
 }
 
-/// What became of a frame, in one word.
+/// Outcome of a frame, in one word.
 pub(crate) fn state(status: &FrameStatus) -> &'static str {
     match status {
         FrameStatus::Tracked { .. } => "tracked",

@@ -1,4 +1,4 @@
-//! Events of a run in words, with their values for programs (`--log-format json`).
+//! Events of a run as text, with their values for programs (`--log-format json`).
 
 use runtime::{Event, FrameAnswer, FrameStatus, LoopRecord, LoopResult};
 use serde_json::Value;
@@ -43,7 +43,7 @@ pub(crate) fn message(event: &Event) -> Option<Message> {
         .with("offset_px", estimate.offset_px)
         .with("sigma_px", estimate.sigma_px),
         Event::Calibrated { estimate: None } => {
-            info("stereo calibration left as it is: too few keyframes tell of a disparity offset")
+            info("stereo calibration unchanged: too few keyframes constrain the disparity offset")
                 .event("calibrated")
                 .with("offset_px", Value::Null)
         }
@@ -59,7 +59,7 @@ fn places(event: &Event) -> Option<Message> {
             .with("frame", *frame)
             .with("keyframe", keyframe.0),
         Event::SubmapStarted { frame, keyframe } => {
-            Message::new(Level::Warning, format!("new sub-map from frame {frame} on"))
+            Message::new(Level::Warning, format!("new sub-map starts at frame {frame}"))
                 .event("submap_started")
                 .with("frame", *frame)
                 .with("keyframe", keyframe.0)
@@ -73,17 +73,17 @@ fn places(event: &Event) -> Option<Message> {
         }
         Event::Loop(record) => closed_loop(record),
         Event::GlobalAdopted { cost: [before, after] } => {
-            detail(format!("global bundle adjustment taken over: cost {before:.1} to {after:.1}"))
+            detail(format!("global bundle adjustment applied: cost {before:.1} to {after:.1}"))
                 .event("global_adopted")
                 .with("cost_before", *before)
                 .with("cost_after", *after)
         }
         Event::GlobalDiscarded => {
-            detail("global bundle adjustment given up: another loop was closed meanwhile")
+            detail("global bundle adjustment discarded: another loop was closed meanwhile")
                 .event("global_discarded")
         }
         Event::GlobalRefused { reason } => {
-            Message::new(Level::Warning, format!("a global bundle adjustment was refused: {reason}"))
+            Message::new(Level::Warning, format!("global bundle adjustment rejected: {reason}"))
                 .event("global_refused")
         }
         _ => return None,
@@ -97,7 +97,7 @@ pub(crate) fn frame_event(level: Level, event: &str, frame: u32, reason: Option<
         "dropped" => format!("frame {frame} dropped: {why}"),
         "lost" => format!("lost at frame {frame}: {why}"),
         "tracking_again" => format!("tracking again at frame {frame}"),
-        "map_started" => format!("map started with frame {frame}"),
+        "map_started" => format!("map started at frame {frame}"),
         _ => format!("frame {frame}: {why}"),
     };
     let message = Message::new(level, text).event(event).with("frame", frame);
@@ -126,7 +126,7 @@ fn closed_loop(record: &LoopRecord) -> Message {
                 .with("reason", reason.as_str())
         }
         LoopResult::Refused(reason) => {
-            info(format!("loop from frame {frame} to {matched_frame} refused by the map: {reason}"))
+            info(format!("loop from frame {frame} to {matched_frame} rejected by the map: {reason}"))
                 .event("loop_refused")
                 .with("reason", reason.as_str())
         }
@@ -145,7 +145,7 @@ fn detail(text: impl Into<String>) -> Message {
 /// The state as the bar shows it.
 pub(crate) fn status(status: &FrameStatus) -> String {
     match status {
-        FrameStatus::NotReady(_) => "waiting for a start".to_owned(),
+        FrameStatus::NotReady(_) => "waiting for initialization".to_owned(),
         FrameStatus::Tracked { inliers } => format!("tracking {inliers} points"),
         FrameStatus::Lost(_) => "LOST".to_owned(),
         FrameStatus::Dropped(_) => "frame dropped".to_owned(),

@@ -47,7 +47,7 @@ fn train(args: &VocabTrainArgs) -> Result<Exit, Failure> {
     let images = tool::find_images(&args.images).map_err(failure)?;
     if images.is_empty() {
         let places: Vec<String> = args.images.iter().map(|path| path.display().to_string()).collect();
-        return Err(anyhow!("{}: no images, expected .png, .jpg or .jpeg files", places.join(", ")))
+        return Err(anyhow!("{}: no images found, expected .png, .jpg or .jpeg files", places.join(", ")))
             .or_input();
     }
     let bar = console::bar(Some(images.len() as u64), "{bar:24} {pos}/{len} images  {msg}");

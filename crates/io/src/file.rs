@@ -85,7 +85,7 @@ impl TextFile {
             FileError::Line {
                 path: path.to_path_buf(),
                 line,
-                found: "bytes that are no text (not UTF-8)".to_string(),
+                found: "bytes that are not UTF-8 text".to_string(),
                 expected: expected.to_string(),
             }
         })?;
@@ -174,7 +174,7 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     replace(path, bytes, Durability::Process)
 }
 
-/// Like [`write_atomic`], and waits until the file is on the disk: whatever happens at whatever moment, the old file is
+/// Like [`write_atomic`], and waits until the file is on the disk: whenever the process stops, the old file is
 /// there or the new one. For files that cannot be made again.
 ///
 /// # Errors

@@ -28,7 +28,7 @@ pub enum VideoError {
         found: String,
     },
     /// The next frame does not begin as a frame should.
-    #[error("{name}: found {found} at the beginning of frame {frame}, expected a line with FRAME")]
+    #[error("{name}: found {found} at the start of frame {frame}, expected a line with FRAME")]
     FrameLine {
         /// The stream.
         name: String,
@@ -312,7 +312,7 @@ mod tests {
         reader.next_frame().unwrap();
         assert_eq!(
             reader.next_frame().unwrap_err().to_string(),
-            "clip.y4m: found `FROM` at the beginning of frame 1, expected a line with FRAME"
+            "clip.y4m: found `FROM` at the start of frame 1, expected a line with FRAME"
         );
     }
 }

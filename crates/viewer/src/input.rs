@@ -13,7 +13,7 @@ pub(crate) type Reader = StreamReader<Box<dyn Read>>;
 /// Opens `-`, a file, or the file of events in a results folder.
 ///
 /// # Errors
-/// A file that is not there or is not a stream of this version.
+/// A file that is missing or is not a stream of this version.
 pub(crate) fn open(input: &Path) -> Result<Reader> {
     if input == Path::new("-") {
         return StreamReader::new(Box::new(stdin()) as Box<dyn Read>).context("standard input");

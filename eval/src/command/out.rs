@@ -1,4 +1,4 @@
-//! Standard output: a reader that has seen enough (`| head`) is no error, a full disk is.
+//! Standard output: a reader that has seen enough (`| head`) is not an error, a full disk is.
 
 use std::io::{ErrorKind, Write};
 

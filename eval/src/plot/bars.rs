@@ -30,7 +30,7 @@ impl Figure for BarFigure {
         B::ErrorType: 'static,
     {
         let values = || self.series.iter().flat_map(|s| s.1.iter().flatten().copied());
-        ensure!(values().next().is_some() && !self.groups.is_empty(), "no values: there is no chart to draw");
+        ensure!(values().next().is_some() && !self.groups.is_empty(), "no values: nothing to draw");
         let names: Vec<&str> = self.series.iter().map(|s| s.0.as_str()).collect();
         let keys: Vec<Key<'_>> =
             names.iter().enumerate().map(|(i, text)| Key { text, color: color(i), width: 10.0 }).collect();

@@ -146,8 +146,7 @@ fn a_listed_image_that_is_missing_is_told_before_the_run_and_its_frame_dropped()
         call.expect(
             1,
             &format!(
-                "warning: {list}:3: found the name of a missing file ({file}); 1 of 3 images are missing, their frames \
-                 will be dropped"
+                "warning: {list}:3: found the name of a missing file ({file}); 1 of 3 images are missing, and their frames will be dropped"
             ),
         );
     }

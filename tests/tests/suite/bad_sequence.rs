@@ -131,6 +131,6 @@ fn a_sensor_that_the_folder_does_not_have_is_refused() {
     let path = path.display();
     call.expect(
         2,
-        &format!("error: {path}: sensor rgbd is not possible here: KITTI folders hold no depth images"),
+        &format!("error: {path}: sensor rgbd is not possible here: KITTI folders contain no depth images"),
     );
 }

@@ -143,7 +143,7 @@ fn features_and_images_come_with_their_frames() {
     assert!(tracked > 0, "some features are tracked");
 }
 
-/// A target that takes so many bytes and then fails.
+/// A target that takes this many bytes and then fails.
 struct Broken(usize);
 
 impl Write for Broken {

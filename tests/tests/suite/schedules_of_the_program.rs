@@ -60,7 +60,7 @@ fn schedules_and_threads_do_not_change_a_drive_with_raw_cameras() {
 #[test]
 fn schedules_and_threads_do_not_change_a_real_drive() {
     match std::env::var_os("DSSLAM_DATA") {
-        None => println!("skipped: DSSLAM_DATA is not set, so kitti06_first51 is not there"),
+        None => println!("skipped: DSSLAM_DATA is not set, so kitti06_first51 is not available"),
         Some(data) => {
             let config = root().join("configs/kitti.yaml");
             let sequence = PathBuf::from(data).join("kitti06_first51");

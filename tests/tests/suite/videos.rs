@@ -146,7 +146,7 @@ fn what_is_no_video_or_does_not_fit_is_refused() {
         &small,
         "mono.yaml",
         &["--sensor", "stereo"],
-        &format!("{name}: sensor stereo is not possible here: {} describes one camera", one.display()),
+        &format!("{name}: sensor stereo is not possible here: {} describes a single camera", one.display()),
     );
     videos.write("mono.yaml", "cameras: []\n");
     refused(

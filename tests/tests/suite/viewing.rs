@@ -100,7 +100,7 @@ fn a_run_without_events_is_shown_from_its_other_files() {
 fn what_cannot_be_viewed_is_named() {
     let desk = Desk::new();
     let folder = desk.folder.path();
-    desk.view(&["/no/such"]).expect(2, "error: /no/such: is no results folder");
+    desk.view(&["/no/such"]).expect(2, "error: /no/such: not a results folder");
     let call = desk.view(&[text(folder)]);
     assert_eq!(call.code, 2, "{call}");
     assert!(call.stderr.contains("summary.json: cannot be read; `dsslam run` writes it"), "{call}");

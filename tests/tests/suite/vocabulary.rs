@@ -87,7 +87,7 @@ fn images_that_give_no_vocabulary_are_named() {
     let empty = copy.path().join("empty");
     fs::create_dir(&empty).unwrap();
     let empty = text(&empty);
-    call(empty).expect(2, &format!("error: {empty}: no images, expected .png, .jpg or .jpeg files"));
+    call(empty).expect(2, &format!("error: {empty}: no images found, expected .png, .jpg or .jpeg files"));
     call("/nowhere.png").expect(2, "error: /nowhere.png: no such image");
     copy.write("image_0/000001.png", b"no image at all");
     let broken = copy.file("image_0/000001.png");

@@ -92,7 +92,7 @@ fn a_viewer_that_dies_does_not_end_the_run() {
         let out = place.join("out");
         let call = watched(&with_viewer(&place, script), &out, &["--rerun"]);
         call.expect_success();
-        let told = "the run went on without it";
+        let told = "the run continued without it";
         assert!(
             call.stderr.contains(told) || call.stderr.contains("the viewer ended with"),
             "{name}: {call}"
@@ -114,7 +114,7 @@ fn a_viewer_that_is_not_there_is_told_before_anything_is_run() {
         .env("NO_COLOR", "1");
     ended(command.output().unwrap()).expect(
         2,
-        "error: dsslam-rerun is neither beside this program nor on the PATH: build it with ./install.sh --rerun",
+        "error: dsslam-rerun was found neither beside this program nor in PATH: build it with ./install.sh --rerun",
     );
     assert!(!out.exists());
     let call = ended(self::command(&["run", "x", "--rerun", "--rerun-save", "a.rrd"]).output().unwrap());

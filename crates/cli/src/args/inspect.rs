@@ -21,7 +21,7 @@ pub(crate) enum Inspect {
     /// Draws the keypoints of an image.
     #[command(after_help = help::features())]
     Features(FeaturesArgs),
-    /// Draws the matches of two images, sorted by whether one motion explains them.
+    /// Draws the matches of two images, inliers and outliers of one motion.
     #[command(after_help = help::matching())]
     Match(MatchArgs),
     /// Draws the disparities of a stereo frame.
@@ -30,7 +30,7 @@ pub(crate) enum Inspect {
     /// Draws the activation of an image as a heat map, with the features that a selection keeps and drops.
     #[command(after_help = help::activation())]
     Activation(ActivationArgs),
-    /// Trains a vocabulary of place recognition, describes one, converts between file formats.
+    /// Trains, describes and converts vocabularies for place recognition.
     #[command(after_help = help::vocab())]
     Vocab(VocabArgs),
 }
@@ -46,10 +46,10 @@ pub(crate) struct ShellArgs {
 /// What `dsslam shell` prints.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ShellCommand {
-    /// Prints the completions of a shell.
+    /// Prints shell completions.
     #[command(after_help = help::completions())]
     Completions(CompletionsArgs),
-    /// Prints the manual page, or writes those of all commands into a folder.
+    /// Prints the manual page, or writes the pages of all commands into a folder.
     #[command(after_help = help::man())]
     Man(ManArgs),
 }

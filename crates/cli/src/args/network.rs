@@ -10,11 +10,11 @@ use super::SettingsArgs;
 /// Arguments about the network.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct NetworkArgs {
-    /// Network (ONNX) instead of the one that is part of the program: grey image in, activation map out.
+    /// Network (ONNX) to use instead of the built-in one: gray image in, activation map out.
     #[arg(long, value_name = "FILE", help_heading = "Network")]
     pub(crate) dsfeat_model: Option<PathBuf>,
-    /// ONNX Runtime's library; by default that of ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
-    /// ~/.local/share/dsslam or in the system's folders.
+    /// ONNX Runtime's library [default: ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
+    /// ~/.local/share/dsslam or in the system folders].
     #[arg(long, value_name = "FILE", help_heading = "Network")]
     pub(crate) onnxruntime: Option<PathBuf>,
 }

@@ -11,7 +11,7 @@ use super::ShowArgs;
 /// Arguments of `dsslam demo`.
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
-    /// The course that is rendered.
+    /// The course to render.
     #[command(flatten)]
     pub(crate) world: WorldArgs,
     /// Overrides one key of the configuration; may be given several times.
@@ -34,7 +34,7 @@ pub(crate) struct SynthArgs {
     /// Folder to write.
     #[arg(value_name = "OUT")]
     pub(crate) out: PathBuf,
-    /// The course that is rendered.
+    /// The course to render.
     #[command(flatten)]
     pub(crate) world: WorldArgs,
     /// Layout of the folder.
@@ -84,13 +84,13 @@ pub(crate) struct WorldArgs {
     /// Kind of world.
     #[arg(long, default_value_t = Preset::Town, value_parser = preset_parser())]
     pub(crate) preset: Preset,
-    /// Number of stereo frames; by default all of the rounds.
+    /// Number of stereo frames [default: all rounds].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) frames: Option<u32>,
-    /// How often the closed course is driven.
+    /// Number of times the closed course is driven.
     #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub(crate) rounds: u32,
-    /// Other light in each round after the first, by turns a low, strong sun from another side with hard contrast, and an overcast, hazy
+    /// Changes the light in each round after the first, alternating between a low, strong sun with hard contrast and an overcast, hazy
     /// sky, with another exposure; needs --rounds. Geometry, traffic, depth and labels stay as they are.
     #[arg(long)]
     pub(crate) relight: bool,

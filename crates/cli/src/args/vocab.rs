@@ -19,12 +19,12 @@ pub(crate) enum VocabAction {
     Train(VocabTrainArgs),
     /// Describes a vocabulary: size, words, weights, origin.
     Info {
-        /// The vocabulary, in either format; by default the one that is part of the program.
+        /// The vocabulary, in either format [default: built in].
         file: Option<PathBuf>,
     },
     /// Converts a vocabulary between DSSLAM's binary format and ORB-SLAM2's text format.
     Convert {
-        /// The vocabulary to read; its content tells the format.
+        /// The vocabulary to read; the format is detected.
         input: PathBuf,
         /// The file to write: in ORB-SLAM2's text format if it ends in .txt, otherwise in DSSLAM's.
         output: PathBuf,
@@ -34,13 +34,13 @@ pub(crate) enum VocabAction {
 /// Arguments of `dsslam inspect vocab train`.
 #[derive(Debug, Args)]
 pub(crate) struct VocabTrainArgs {
-    /// Images, or folders that stand for the .png, .jpg and .jpeg files in them and in their folders, sorted by name.
+    /// Images, or folders searched recursively for .png, .jpg and .jpeg files, sorted by name.
     #[arg(value_name = "IMAGES", required = true)]
     pub(crate) images: Vec<PathBuf>,
-    /// Children of a node.
+    /// Children per node.
     #[arg(short = 'k', long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=i64::from(bow::MAX_BRANCHING)))]
     pub(crate) branching: u32,
-    /// Steps from the root to a word.
+    /// Depth of the tree.
     #[arg(short = 'l', long, value_name = "L", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=i64::from(bow::MAX_LEVELS)))]
     pub(crate) levels: u32,
     /// The file to write: in ORB-SLAM2's text format if it ends in .txt, otherwise in DSSLAM's.
@@ -49,7 +49,7 @@ pub(crate) struct VocabTrainArgs {
     /// Seed of all random choices.
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub(crate) seed: u64,
-    /// Most features taken of an image.
+    /// Maximum number of features per image.
     #[arg(long, value_name = "N", default_value_t = bow::tool::TRAINING_FEATURES as u32, value_parser = clap::value_parser!(u32).range(50..=100_000))]
     pub(crate) keep: u32,
 }

@@ -74,7 +74,7 @@ impl Finding {
     }
 }
 
-/// Looks at everything and prints it. Optional things that are missing are no fault.
+/// Looks at everything and prints it. Missing optional items are not an error.
 pub(crate) fn run(args: &DoctorArgs) -> Result<Exit, Failure> {
     let findings = checks::all();
     if args.json {
@@ -98,9 +98,9 @@ fn print(finding: &Finding) {
 fn verdict(findings: &[Finding]) -> String {
     let count = |state: State| findings.iter().filter(|finding| finding.state == state).count();
     match (count(State::Missing), count(State::Optional)) {
-        (0, 0) => "everything is there".to_owned(),
-        (0, n) => format!("everything needed is there; optional and missing: {n}"),
-        (n, _) => format!("needed and missing: {n}"),
+        (0, 0) => "everything found".to_owned(),
+        (0, n) => format!("all required items found; optional items missing: {n}"),
+        (n, _) => format!("required items missing: {n}"),
     }
 }
 
@@ -109,15 +109,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn optional_things_are_no_fault() {
+    fn optional_items_are_not_an_error() {
         let ok = Finding::ok("a", "there");
         let optional = Finding::optional("b", "for films", "buy it");
         let missing = Finding::missing("c", "for all", "make it");
-        assert_eq!(verdict(std::slice::from_ref(&ok)), "everything is there");
+        assert_eq!(verdict(std::slice::from_ref(&ok)), "everything found");
         assert_eq!(
             verdict(&[ok.clone(), optional.clone()]),
-            "everything needed is there; optional and missing: 1"
+            "all required items found; optional items missing: 1"
         );
-        assert_eq!(verdict(&[ok, optional, missing]), "needed and missing: 1");
+        assert_eq!(verdict(&[ok, optional, missing]), "required items missing: 1");
     }
 }

@@ -1,4 +1,4 @@
-//! Everybody who watches a run.
+//! All observers of a run.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ impl Audience {
             let target = Box::new(create(&path).or_output()?);
             audience.file = Some(EventStream::start(target, start::of_job(job), options).or_output()?);
         } else {
-            // That of an older run in the same folder tells of another one.
+            // A file from an older run in the same folder would belong to that run.
             let _ = std::fs::remove_file(&path);
         }
         if let (Some(program), Some(manner)) = (&job.viewer, Manner::of_run(show)) {
@@ -70,16 +70,16 @@ impl Audience {
         match process.wait() {
             Ended::With(status) if status.success() => {}
             Ended::With(status) => console::note(console::warning(format!("the viewer ended with {status}"))),
-            Ended::NotYet => console::note("the viewer is still at work; it goes on alone"),
+            Ended::NotYet => console::note("the viewer is still busy and keeps running on its own"),
         }
     }
 }
 
 fn tell(name: &str, report: &StreamReport) {
     if let Some(reason) = &report.broken {
-        console::note(console::warning(format!("{name}: {reason}; the run went on without it")));
+        console::note(console::warning(format!("{name}: {reason}; the run continued without it")));
     } else if report.left_out > 0 {
-        console::note(format!("{name}: {} images or states of the map left out", report.left_out));
+        console::note(format!("{name}: {} images or map states were skipped", report.left_out));
     }
 }
 

@@ -1,4 +1,4 @@
-//! Who watches a run: the person at the terminal, the file `events.dslog`, the viewer. None of them can stop or slow it.
+//! Observers of a run: the person at the terminal, the file `events.dslog`, the viewer. None of them can stop or slow it.
 
 mod audience;
 mod process;
@@ -60,7 +60,7 @@ impl Manner {
 /// The viewer's program, if the arguments ask for one; looked for before the work starts.
 ///
 /// # Errors
-/// A viewer that is not there, or a file that cannot be written.
+/// A missing viewer, or a file that cannot be written.
 pub(crate) fn viewer(args: &ShowArgs) -> Result<Option<PathBuf>, Failure> {
     let Some(manner) = Manner::of_run(args) else { return Ok(None) };
     manner.check().or_output()?;
@@ -70,11 +70,11 @@ pub(crate) fn viewer(args: &ShowArgs) -> Result<Option<PathBuf>, Failure> {
 /// The viewer's program.
 ///
 /// # Errors
-/// When it is not there.
+/// When it is missing.
 pub(crate) fn program() -> Result<PathBuf, Failure> {
     find()
         .ok_or_else(|| {
-            anyhow!("dsslam-rerun is neither beside this program nor on the PATH: build it with ./install.sh --rerun")
+            anyhow!("dsslam-rerun was found neither beside this program nor in PATH: build it with ./install.sh --rerun")
         })
         .or_input()
 }

@@ -12,12 +12,12 @@ use crate::exit::{Exit, Failure, OrExit};
 /// Shows a results folder: its events, or where there are none what the other files tell.
 ///
 /// # Errors
-/// A folder that holds no run, a viewer that is not there or fails.
+/// A folder that holds no run, a viewer that is missing or fails.
 pub(crate) fn view(args: &ViewArgs) -> Result<Exit, Failure> {
     let manner = Manner::of(true, args.save.as_ref(), args.connect.as_ref()).unwrap_or(Manner::Open);
     let results = &args.results;
     if !results.is_dir() {
-        return Err(anyhow!("{}: is no results folder", results.display())).or_input();
+        return Err(anyhow!("{}: not a results folder", results.display())).or_input();
     }
     let events = results.join(FILE_NAME);
     let records = match &args.map {
@@ -39,5 +39,5 @@ pub(crate) fn view(args: &ViewArgs) -> Result<Exit, Failure> {
 /// Writes everything and closes the pipe.
 fn write(records: &[events::Record], pipe: impl Write) -> Result<()> {
     let mut writer = StreamWriter::new(pipe)?;
-    records.iter().try_for_each(|record| writer.write(record)).context("the viewer does not read")
+    records.iter().try_for_each(|record| writer.write(record)).context("the viewer has stopped reading")
 }

@@ -28,16 +28,16 @@ pub(crate) struct MatchArgs {
     /// The picture to write (PNG).
     #[arg(short, long, value_name = "PNG")]
     out: PathBuf,
-    /// Largest number of differing bits, of 256.
+    /// Maximum number of differing bits, of 256.
     #[arg(long, value_name = "BITS", default_value_t = 50)]
     max_distance: u32,
-    /// The best must differ in less than this share of the bits of the second best.
+    /// Ratio test: the best match must differ in less than this fraction of the second best's bits.
     #[arg(long, value_name = "SHARE", default_value_t = 0.9)]
     ratio: f32,
-    /// Largest distance from the epipolar geometry, pixels.
+    /// Maximum distance from the epipolar line, pixels.
     #[arg(long, value_name = "PX", default_value_t = 1.5)]
     threshold: f64,
-    /// Also matches features that are left along their epipolar lines.
+    /// Also matches the remaining features along their epipolar lines.
     #[arg(long)]
     guided: bool,
     /// The configuration.
@@ -107,7 +107,7 @@ impl MatchArgs {
             return Ok(Pair::of(pictures, ideal));
         }
         let Some(b) = &self.b else {
-            bail!("{}: found an image, and --frames needs a sequence", self.a.display());
+            bail!("{}: found an image, but --frames needs a sequence", self.a.display());
         };
         if let Some(folder) = [&self.a, b].into_iter().find(|path| path.is_dir()) {
             bail!(

@@ -1,4 +1,4 @@
-//! Stage tools: one step of the pipeline looked at alone. Each writes a picture and prints its counts.
+//! Stage tools: each inspects one step of the pipeline. Each writes a picture and prints its counts.
 
 mod features;
 mod input;

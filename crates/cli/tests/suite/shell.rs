@@ -61,7 +61,7 @@ fn the_doctor_names_what_is_missing_and_how_to_get_it() {
         ended(&mut command)
     };
     let Call { code, stdout, .. } = bare(&["doctor"]);
-    assert_eq!(code, Some(0), "optional things are no fault\n{stdout}");
+    assert_eq!(code, Some(0), "optional items are not an error\n{stdout}");
     assert!(stdout.contains("vocabulary") && stdout.contains("DSSLAM_DATA is not set"), "{stdout}");
     let Call { code, stdout, .. } = bare(&["doctor", "--json"]);
     assert_eq!(code, Some(0));

@@ -120,7 +120,7 @@ fn what_cannot_be_looked_at_is_named() {
         ),
         (
             &["inspect", "match", "image_0/000000.png", "--frames", "0", "1"],
-            "error: image_0/000000.png: found an image, and --frames needs a sequence",
+            "error: image_0/000000.png: found an image, but --frames needs a sequence",
         ),
         (
             &["inspect", "features", "image_0/000000.png", "--set", "input.mask=none.png"],

@@ -1,4 +1,4 @@
-//! The camera of a run: the dataset's calibration file wins over the configuration, and the program says so.
+//! The camera of a run: the dataset's calibration file takes precedence over the configuration, and the program says so.
 
 use std::path::{Path, PathBuf};
 
@@ -12,9 +12,7 @@ use super::Config;
 pub enum CameraError {
     /// Neither the dataset nor the configuration gives the camera.
     #[error(
-        "{}: the dataset has no calibration file and the configuration does not give {missing}; \
-         give a configuration with the section `camera` (such as --config configs/tum-rgbd.yaml), --set {missing}=... or, for a \
-         folder of images, --calib FILE",
+        "{}: the dataset has no calibration file and the configuration lacks {missing}; pass a configuration with a `camera` section (such as --config configs/tum-rgbd.yaml), --set {missing}=... or, for a folder of images, --calib FILE",
         dataset.display()
     )]
     Missing {
@@ -26,7 +24,7 @@ pub enum CameraError {
 }
 
 impl Config {
-    /// Replaces the camera by that of the dataset. Returns a notice for each value that somebody had given otherwise.
+    /// Replaces the camera by that of the dataset. Returns a notice for each value that was given and is replaced.
     pub fn apply_calibration(&mut self, calibration: &Calibration) -> Vec<String> {
         let Calibration { rig: StereoRig { camera, baseline_m }, distortion, source } = calibration;
         let mut notices = Vec::new();
@@ -67,7 +65,7 @@ impl Config {
         notices
     }
 
-    /// Takes over the frame rate that a calibration file of the dataset gives; a notice if somebody had given another one.
+    /// Takes over the frame rate that a calibration file of the dataset gives; a notice if another one was given.
     pub fn apply_frame_rate(&mut self, frame_rate_hz: f64, source: &str) -> Option<String> {
         let old = std::mem::replace(&mut self.camera.fps, frame_rate_hz);
         let key = "camera.fps";

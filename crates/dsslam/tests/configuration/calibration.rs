@@ -63,11 +63,10 @@ fn no_camera_at_all() {
     };
     assert_eq!(
         missing(&config),
-        "data/desk: the dataset has no calibration file and the configuration does not give camera.fx; give a \
-         configuration with the section `camera` (such as --config configs/tum-rgbd.yaml), --set camera.fx=... or, for a folder of images, --calib FILE"
+        "data/desk: the dataset has no calibration file and the configuration lacks camera.fx; pass a configuration with a `camera` section (such as --config configs/tum-rgbd.yaml), --set camera.fx=... or, for a folder of images, --calib FILE"
     );
     config.apply_calibration(&calibration(0.0));
-    assert!(missing(&config).contains("does not give camera.baseline_m;"), "RGB-D needs a virtual baseline");
+    assert!(missing(&config).contains("lacks camera.baseline_m;"), "RGB-D needs a virtual baseline");
     assert_eq!(config.camera_in_force(Path::new("x"), Sensor::Mono).unwrap().rig.baseline_m, 0.0);
 }
 

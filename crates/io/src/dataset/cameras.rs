@@ -35,7 +35,7 @@ impl Cameras {
     /// Two cameras turned so that the images of a point lie on one row.
     ///
     /// # Errors
-    /// [`DatasetError`] for cameras of different sizes and for such that are no stereo rig.
+    /// [`DatasetError`] for cameras of different sizes and for cameras that do not form a stereo rig.
     pub(super) fn of_pair(
         left: RawCamera,
         right: RawCamera,
@@ -78,7 +78,7 @@ impl Cameras {
         })
     }
 
-    /// One camera: key-points of a pinhole are undistorted one by one; the image of a fisheye is drawn anew.
+    /// One camera: key-points of a pinhole are undistorted one by one; the image of a fisheye is redrawn.
     ///
     /// # Errors
     /// [`DatasetError`] for a fisheye that does not see along its axis.

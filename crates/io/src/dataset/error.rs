@@ -80,7 +80,7 @@ pub enum DatasetError {
         /// Number of images.
         n_images: usize,
     },
-    /// A calibration file is no YAML of the expected form.
+    /// A calibration file is not YAML of the expected form.
     #[error("{}:{line}: broken YAML: {message}", path.display())]
     Yaml {
         /// The calibration file.

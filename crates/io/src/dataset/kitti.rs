@@ -83,7 +83,7 @@ fn choose_images(
         Err(DatasetError::SensorUnavailable { path: dir.to_path_buf(), sensor, reason })
     };
     if wanted == Some(Sensor::Rgbd) {
-        return unavailable(Sensor::Rgbd, "KITTI folders hold no depth images".to_string());
+        return unavailable(Sensor::Rgbd, "KITTI folders contain no depth images".to_string());
     }
     let mut listed = Vec::new();
     for pair in &PAIRS {
@@ -142,14 +142,14 @@ fn count_frames(
     let mut n_frames = last_left + 1;
     if n_times > n_frames {
         warnings.push(format!(
-            "{}: {} but images only up to number {last_left} in {}; the run ends there",
+            "{}: {} but images only up to number {last_left} in {}; stopping there",
             dir.join("times.txt").display(),
             counted(n_times, "time"),
             images.pair.left_folder,
         ));
     } else if n_times < n_frames {
         warnings.push(format!(
-            "{}: images up to number {last_left} but only {} in times.txt; the run ends there",
+            "{}: images up to number {last_left} but only {} in times.txt; stopping there",
             left_folder.display(),
             counted(n_times, "time"),
         ));
@@ -175,7 +175,7 @@ fn end_at_last_pair(
             path: dir.to_path_buf(),
             sensor: Sensor::Stereo,
             reason: format!(
-                "no image number stands in both {} and {}",
+                "no image number occurs in both {} and {}",
                 images.pair.left_folder, images.pair.right_folder
             ),
         });

@@ -68,7 +68,7 @@ fn choose_sensor(
         Some(Sensor::Stereo) => Err(DatasetError::SensorUnavailable {
             path: dir.to_path_buf(),
             sensor: Sensor::Stereo,
-            reason: "TUM RGB-D folders hold no right images".to_string(),
+            reason: "TUM RGB-D folders contain no right images".to_string(),
         }),
         Some(sensor) => Ok(sensor),
         None if list.is_file() => Ok(Sensor::Rgbd),

@@ -123,11 +123,11 @@ fn raster<T: Copy>(path: &Path, size: ImageSize, data: Vec<T>) -> Result<Raster<
     Raster::from_vec(size.width, size.height, data).ok_or_else(|| ImageError::Corrupt {
         path: path.to_path_buf(),
         format: "decoded",
-        reason: format!("the number of pixels is not that of {size}"),
+        reason: format!("the number of pixels does not match {size}"),
     })
 }
 
-/// Tells the format by the first bytes, whatever the file is called.
+/// Detects the format from the first bytes, regardless of the file name.
 fn format_of(path: &Path, head: &[u8]) -> Result<Format, ImageError> {
     if head.is_empty() {
         return Err(ImageError::Empty { path: path.to_path_buf() });
@@ -139,7 +139,7 @@ fn format_of(path: &Path, head: &[u8]) -> Result<Format, ImageError> {
     }
 }
 
-/// The first bytes of a file that is no image, as text where they are text.
+/// The first bytes of a file that is not an image, as text where they are text.
 fn describe_head(head: &[u8]) -> String {
     const SHOWN_BYTES: usize = 16;
     let head = &head[..head.len().min(SHOWN_BYTES)];

@@ -103,7 +103,7 @@ fn save(
 ) -> Result<(), FileError> {
     let unwritable = |reason: String| FileError::Unwritable { path: PathBuf::from(path), reason };
     let side =
-        |n: usize| u32::try_from(n).map_err(|_| unwritable(format!("{n} pixels are too many for PNG")));
+        |n: usize| u32::try_from(n).map_err(|_| unwritable(format!("{n} pixels are more than PNG can hold")));
     let (width, height) = (side(width)?, side(height)?);
     let mut encoded = Vec::with_capacity(bytes.len() / 2);
     // A fixed filter is written five times faster than the adaptive one and costs 5 % in size.

@@ -35,7 +35,7 @@ pub enum ImageError {
         /// What the decoder says.
         reason: String,
     },
-    /// The file is no PNG and no JPEG.
+    /// The file is neither PNG nor JPEG.
     #[error("{}: not an image: begins with {found}, expected PNG or JPEG", path.display())]
     NotAnImage {
         /// The image file.

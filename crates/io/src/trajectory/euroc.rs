@@ -8,7 +8,7 @@ use geometry::{SE3, Vec3};
 use super::{StampedPose, Trajectory, rotation_from_quaternion};
 use crate::file::{FileError, Line, counted, write_atomic};
 
-pub(super) const EXPECTED: &str = "at least 8 numbers with commas (ns, px, py, pz, qw, qx, qy, qz)";
+pub(super) const EXPECTED: &str = "at least 8 comma-separated numbers (ns, px, py, pz, qw, qx, qy, qz)";
 const NANOSECONDS_PER_SECOND: f64 = 1e9;
 
 /// One row; what stands after the first eight columns (velocities, biases) is left alone.

@@ -95,7 +95,7 @@ fn binary_times() {
     folder.write("times.txt", b"0\n\xff\xfe\n");
     assert_eq!(
         refused(&folder, None),
-        "DIR/times.txt:2: found bytes that are no text (not UTF-8), expected a time in seconds per line"
+        "DIR/times.txt:2: found bytes that are not UTF-8 text, expected a time in seconds per line"
     );
 }
 
@@ -168,11 +168,11 @@ fn cameras_that_are_no_pair() {
 fn sensors_that_the_folder_does_not_have() {
     assert_eq!(
         refused(&Folder::kitti(1), Some(Sensor::Rgbd)),
-        "DIR: sensor rgbd is not possible here: KITTI folders hold no depth images"
+        "DIR: sensor rgbd is not possible here: KITTI folders contain no depth images"
     );
     assert_eq!(
         refused(&Folder::tum(), Some(Sensor::Stereo)),
-        "DIR: sensor stereo is not possible here: TUM RGB-D folders hold no right images"
+        "DIR: sensor stereo is not possible here: TUM RGB-D folders contain no right images"
     );
     let folder = Folder::kitti(1);
     folder.remove("image_1/000000.png");
@@ -183,7 +183,7 @@ fn sensors_that_the_folder_does_not_have() {
     folder.gray("image_1/000007.png", 40, 20);
     assert_eq!(
         refused(&folder, Some(Sensor::Stereo)),
-        "DIR: sensor stereo is not possible here: no image number stands in both image_0 and image_1"
+        "DIR: sensor stereo is not possible here: no image number occurs in both image_0 and image_1"
     );
 }
 

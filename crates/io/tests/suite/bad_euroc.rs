@@ -158,7 +158,7 @@ fn a_right_camera_with_other_times() {
 fn lists_with_broken_rows() {
     let list =
         |content: &str| refused_with("mav0/cam0/data.csv", content).replace("DIR/mav0/cam0/data.csv", "");
-    let expected = "expected nanoseconds and a file name with a comma between";
+    let expected = "expected nanoseconds and a file name, separated by a comma";
     assert_eq!(list("#header\n"), format!(": found no data, {expected}"));
     assert_eq!(list("#header\n123\n"), format!(":2: found 1 field, {expected}"));
     assert_eq!(list("123,\n"), format!(":1: found no file name, {expected}"));
@@ -187,7 +187,7 @@ fn missing_list_and_sensors_that_are_not_there() {
     let refused = |sensor| folder.hide(open_sequence(folder.path(), Some(sensor)).unwrap_err());
     assert_eq!(
         refused(Sensor::Rgbd),
-        "DIR: sensor rgbd is not possible here: EuRoC folders hold no depth images"
+        "DIR: sensor rgbd is not possible here: EuRoC folders contain no depth images"
     );
     folder.remove("mav0/cam0/data.csv");
     assert_eq!(

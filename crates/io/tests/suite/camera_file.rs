@@ -129,7 +129,7 @@ fn wrong_fields_with_their_lines() {
     let one = calibration_yaml(1) + "right_from_left: [[1, 0, 0, 0]]\n";
     assert_eq!(
         open_with(&one).unwrap_err(),
-        ":7: right_from_left: found 1 camera for a motion between two (line 3), expected it beside two cameras only"
+        ":7: right_from_left: found 1 camera for a motion between two (line 3), expected it only with two cameras"
     );
 }
 
@@ -200,7 +200,7 @@ fn broken_xml_of_boofcv() {
         assert!(BOOFCV.contains(piece), "{piece}");
         let message = open_with(&BOOFCV.replacen(piece, other, 1)).unwrap_err();
         if expected == ":" {
-            assert!(message.contains("broken XML"), "{message}");
+            assert!(message.contains("invalid XML"), "{message}");
         } else {
             assert_eq!(message, expected);
         }

@@ -98,7 +98,7 @@ fn a_named_file_that_is_missing_is_told_and_its_frame_stays() {
         folder.hide(&sequence.warnings[0]),
         format!(
             "DIR/mav0/cam1/data.csv:4: found the name of a missing file (DIR/mav0/cam1/data/{gone}.png); \
-             1 of 4 images are missing, their frames will be dropped"
+             1 of 4 images are missing, and their frames will be dropped"
         )
     );
     let error = load_frame(&sequence.frames[2]).unwrap_err();

@@ -98,7 +98,7 @@ fn two_images_side_by_side_are_taken_apart() {
     assert_eq!(sequence.sensor, Sensor::Mono);
     assert_eq!(
         folder.hide(&sequence.warnings[0]),
-        "DIR: found images of one camera where DIR/calibration.yaml describes two, so the run is monocular"
+        "DIR: found images of one camera although DIR/calibration.yaml describes two, so the run is monocular"
     );
 }
 
@@ -124,7 +124,7 @@ fn a_given_calibration_wins_over_that_in_the_folder_and_over_the_layout() {
         (SequenceKind::Images, Sensor::Mono, None)
     );
     assert_eq!(sequence.frames[2].timestamp_s, 0.2, "times.txt");
-    assert!(sequence.warnings[0].ends_with("my.yaml: describes one camera, so the run is monocular"));
+    assert!(sequence.warnings[0].ends_with("my.yaml: describes a single camera, so the run is monocular"));
 }
 
 #[test]
@@ -165,11 +165,11 @@ fn folders_that_cannot_be_used() {
     folder.gray("left/a.png", 40, 20);
     assert_eq!(
         refused(&folder, Some(Sensor::Stereo)),
-        "DIR: sensor stereo is not possible here: DIR/calibration.yaml describes one camera"
+        "DIR: sensor stereo is not possible here: DIR/calibration.yaml describes a single camera"
     );
     assert_eq!(
         refused(&folder, Some(Sensor::Rgbd)),
-        "DIR: sensor rgbd is not possible here: images alone hold no depth"
+        "DIR: sensor rgbd is not possible here: image folders contain no depth"
     );
     folder.write("times.txt", "0\n1\n");
     assert_eq!(refused(&folder, None), "DIR/times.txt: found 2 times, expected 1 (one per image)");
@@ -178,7 +178,7 @@ fn folders_that_cannot_be_used() {
     folder.gray("right/b.png", 40, 20);
     assert_eq!(
         refused(&folder, None),
-        "DIR/left: sensor stereo is not possible here: no name agrees in its numbers with one in DIR/right (first: \
+        "DIR/left: sensor stereo is not possible here: no image number matches one in DIR/right (first: \
          DIR/left/a.png and DIR/right/b.png)"
     );
 }

@@ -5,7 +5,7 @@ use geometry::{DepthImage, GrayImage};
 
 use super::support::Folder;
 
-/// Odd sizes, so that rows are no multiple of anything.
+/// Odd sizes, so that rows are not a multiple of anything.
 const WIDTH: usize = 37;
 const HEIGHT: usize = 11;
 

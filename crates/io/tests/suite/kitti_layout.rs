@@ -132,14 +132,14 @@ fn more_times_than_images_and_the_reverse() {
     assert_eq!(sequence.frames.len(), 3);
     assert_eq!(
         warnings(&folder, &sequence),
-        ["DIR/times.txt: 5 times but images only up to number 2 in image_0; the run ends there"]
+        ["DIR/times.txt: 5 times but images only up to number 2 in image_0; stopping there"]
     );
     folder.write("times.txt", "0\n1\n");
     let sequence = open(&folder, None);
     assert_eq!(sequence.frames.len(), 2);
     assert_eq!(
         warnings(&folder, &sequence),
-        ["DIR/image_0: images up to number 2 but only 2 times in times.txt; the run ends there"]
+        ["DIR/image_0: images up to number 2 but only 2 times in times.txt; stopping there"]
     );
 }
 

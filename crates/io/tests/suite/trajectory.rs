@@ -258,7 +258,7 @@ fn of_rows_with_one_time_the_first_is_kept() {
 
 #[test]
 fn broken_euroc_files() {
-    let expected = "at least 8 numbers with commas (ns, px, py, pz, qw, qx, qy, qz)";
+    let expected = "at least 8 comma-separated numbers (ns, px, py, pz, qw, qx, qy, qz)";
     assert_eq!(refused(Euroc, "#x\n"), format!("DIR/file: found no data, expected {expected}"));
     assert_eq!(refused(Euroc, "1,2,3\n"), format!("DIR/file:1: found 3 fields, expected {expected}"));
     assert_eq!(refused(Euroc, "1.5,0,0,0,1,0,0,0\n"), "DIR/file:1: found `1.5`, expected whole nanoseconds");

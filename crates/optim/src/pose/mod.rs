@@ -1,6 +1,6 @@
 //! Motion-only optimisation: the pose of one frame against fixed points, with outliers found on the way.
 //!
-//! Instead of several restarts one descent: each stage continues from the pose of the last and judges all observations anew
+//! Instead of several restarts one descent: each stage continues from the pose of the last and rejudges all observations
 //! by a limit that tightens from stage to stage, so that gross outliers go first and anything may return. Huber's loss
 //! leads, plain least squares over the inliers ends it.
 

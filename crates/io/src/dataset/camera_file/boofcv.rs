@@ -30,7 +30,7 @@ pub(super) fn read(file: &TextFile) -> Result<CameraFile, DatasetError> {
         expected: expected.to_string(),
     };
     let document = Document::parse(file.text())
-        .map_err(|error| line(error.pos().row, format!("broken XML ({error})"), "a calibration in XML"))?;
+        .map_err(|error| line(error.pos().row, format!("invalid XML ({error})"), "a calibration in XML"))?;
     let root = Element { file, node: document.root_element() };
     if root.node.tag_name().name() != ROOT {
         return Err(root.error(format!("<{}>", root.node.tag_name().name()), &format!("<{ROOT}>")).into());

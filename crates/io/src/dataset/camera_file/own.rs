@@ -54,7 +54,7 @@ pub(super) fn read(file: &TextFile) -> Result<CameraFile, DatasetError> {
         (None, Some(motion)) => {
             let found =
                 format!("{} for a motion between two (line {})", counted(n_cameras, "camera"), place.line());
-            return Err(fields.wrong("right_from_left", motion, found, "it beside two cameras only"));
+            return Err(fields.wrong("right_from_left", motion, found, "it only with two cameras"));
         }
         (None, None) => {}
     }

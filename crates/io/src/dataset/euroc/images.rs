@@ -6,7 +6,7 @@ use super::super::DatasetError;
 use super::super::associate::associate;
 use crate::file::{FileError, TextFile, counted, shown};
 
-const EXPECTED: &str = "nanoseconds and a file name with a comma between";
+const EXPECTED: &str = "nanoseconds and a file name, separated by a comma";
 
 /// Largest time between the two images of a pair, seconds (exclusive): the cameras of a rig are triggered together, at most at
 /// some hundred hertz.
@@ -73,7 +73,7 @@ impl ImageList {
             });
         }
         warnings.push(format!(
-            "{}:{}: found {found}; {} of {} are missing, their frames will be dropped",
+            "{}:{}: found {found}; {} of {} are missing, and their frames will be dropped",
             self.file.display(),
             first.line,
             missing.len(),

@@ -10,12 +10,12 @@ use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, S
 use crate::trajectory::TrajectoryFormat;
 use images::{Image, ImageList};
 
-/// The folder with the cameras' folders: `dir/mav0` or `dir` itself; `None` when this is no EuRoC sequence.
+/// The folder with the cameras' folders: `dir/mav0` or `dir` itself; `None` when this is not a EuRoC sequence.
 pub(super) fn find_root(dir: &Path) -> Option<PathBuf> {
     [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join("cam0").is_dir())
 }
 
-/// Opens the EuRoC sequence `dir` whose cameras stand in `root`.
+/// Opens the EuRoC sequence `dir` whose cameras are in `root`.
 pub(super) fn open(dir: &Path, root: &Path, options: &OpenOptions) -> Result<Sequence, DatasetError> {
     let mut warnings = Vec::new();
     let sensor = choose_sensor(dir, root, options.sensor, &mut warnings)?;
@@ -70,7 +70,7 @@ fn choose_sensor(
         Some(Sensor::Rgbd) => Err(DatasetError::SensorUnavailable {
             path: dir.to_path_buf(),
             sensor: Sensor::Rgbd,
-            reason: "EuRoC folders hold no depth images".to_string(),
+            reason: "EuRoC folders contain no depth images".to_string(),
         }),
         Some(Sensor::Stereo) if !right.is_dir() => Err(DatasetError::SensorUnavailable {
             path: dir.to_path_buf(),

@@ -134,15 +134,15 @@ pub(super) fn choose(
     let unavailable =
         |sensor, reason| Err(DatasetError::SensorUnavailable { path: place.to_path_buf(), sensor, reason });
     if wanted == Some(Sensor::Rgbd) {
-        return unavailable(Sensor::Rgbd, "images alone hold no depth".to_string());
+        return unavailable(Sensor::Rgbd, "image folders contain no depth".to_string());
     }
     let one_camera = file.filter(|file| file.cameras.len() == 1);
     if let (Some(Sensor::Stereo), Some(file)) = (wanted, one_camera) {
-        return unavailable(Sensor::Stereo, format!("{} describes one camera", file.source()));
+        return unavailable(Sensor::Stereo, format!("{} describes a single camera", file.source()));
     }
     if pictures.in_two_folders {
         if let (None, Some(file)) = (wanted, one_camera) {
-            warnings.push(format!("{}: describes one camera, so the run is monocular", file.source()));
+            warnings.push(format!("{}: describes a single camera, so the run is monocular", file.source()));
         }
         let stereo = one_camera.is_none() && wanted != Some(Sensor::Mono);
         return Ok((if stereo { Sensor::Stereo } else { Sensor::Mono }, Packing::Whole));
@@ -155,7 +155,7 @@ pub(super) fn choose(
         (Some(Sensor::Stereo), _) => Ok((Sensor::Stereo, Packing::BothHalves)),
         (None, Some(file)) if file.cameras.len() == 2 => {
             warnings.push(format!(
-                "{}: found images of one camera where {} describes two, so the run is monocular",
+                "{}: found images of one camera although {} describes two, so the run is monocular",
                 place.display(),
                 file.source()
             ));
@@ -197,7 +197,7 @@ fn pair_frames(
             path: images.folder.clone(),
             sensor: Sensor::Stereo,
             reason: format!(
-                "no name agrees in its numbers with one in {} (first: {} and {})",
+                "no image number matches one in {} (first: {} and {})",
                 right_folder.display(),
                 images.left[0].display(),
                 right[0].display()
