@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::Args;
-use dsslam::Config;
+use dsslam::{Chosen, Config, NetworkOptions};
 use io::{Explained, Provenance};
 
 use crate::args::ConfigAction;
@@ -23,7 +23,7 @@ pub(crate) struct DefaultArgs {
 /// Arguments of `dsslam config check`.
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
-    /// The file to check; without it the defaults.
+    /// The file to check, or the name of a built-in configuration; without it the defaults, or what goes with --sequence.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     /// Overrides one key, as `dsslam run` does; may be given several times.
@@ -73,8 +73,10 @@ fn default_yaml(expert: bool) -> String {
 
 /// The configuration in force, with a notice for each value that the sequence replaces.
 fn load(args: &CheckArgs) -> Result<(Config, Vec<String>)> {
-    let mut config = Config::load(args.file.as_deref(), &args.overrides)?;
-    let mut notices = Vec::new();
+    let (file, sequence) = (args.file.as_deref(), args.sequence.as_deref());
+    let Chosen { mut config, preset, mut notices, .. } =
+        Config::choose(file, sequence, &args.overrides, &NetworkOptions::default())?;
+    notices.extend(preset.map(|name| format!("configuration {name}, built in, as the layout suggests")));
     if let Some(dir) = &args.sequence {
         let sequence = io::open_sequence(dir, config.input.sensor)?;
         notices.extend(sequence.warnings);

@@ -34,6 +34,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let sensor = session.input().sequence().sensor;
     console::note(format!("rendering {n_frames} {sensor} frames of {course} and running on them"));
     let (show, json) = (args.show.clone(), args.json);
-    let job = Job { session, replay: None, folder, extras: Extras::default(), show, viewer, json, watch };
+    let (extras, notices) = (Extras::default(), Vec::new());
+    let job = Job { session, preset: None, notices, replay: None, folder, extras, show, viewer, json, watch };
     job::execute(&job, &stop).map(|(_, exit)| exit)
 }

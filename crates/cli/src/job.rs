@@ -28,6 +28,10 @@ pub(crate) const TRUTH_FILE: &str = "ground_truth.tum.txt";
 pub(crate) struct Job {
     /// The frames, the camera and the parameters.
     pub(crate) session: Session,
+    /// Name of the built-in configuration that the layout of the sequence has chosen.
+    pub(crate) preset: Option<&'static str>,
+    /// What the user should know of that choice.
+    pub(crate) notices: Vec<String>,
     /// The run to do again, instead of one by the setup's schedule.
     pub(crate) replay: Option<Journal>,
     /// Where the files go.
@@ -67,7 +71,8 @@ impl Job {
             sensor: sequence.sensor,
             seed: setup.slam.seed,
             schedule: schedule_name(setup.schedule, self.replay.is_some()),
-            notices: self.session.notices().to_vec(),
+            preset: self.preset,
+            notices: [&self.notices[..], self.session.notices()].concat(),
         }
     }
 }

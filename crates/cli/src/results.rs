@@ -76,10 +76,19 @@ impl ResultsFolder {
         let Some(results) = self.path.ancestors().nth(2) else { return Ok(()) };
         let (link, part) = (results.join("latest"), results.join(".latest.part"));
         let _ = fs::remove_file(&part);
-        std::os::unix::fs::symlink(target, &part)
+        symlink(target, &part)
             .and_then(|()| fs::rename(&part, &link))
             .with_context(|| format!("{}: cannot be made", link.display()))
     }
+}
+
+#[cfg(unix)]
+use std::os::unix::fs::symlink;
+
+/// Elsewhere there is no link that everybody may make.
+#[cfg(not(unix))]
+fn symlink(_: &Path, link: &Path) -> std::io::Result<()> {
+    fs::write(link, [])
 }
 
 fn cannot_write(folder: &Path) -> String {

@@ -4,11 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, ensure};
-use dsslam::{Session, SessionOptions};
+use dsslam::{Chosen, Session, SessionOptions};
 use runtime::{Journal, Schedule};
 
 use crate::args::{RunArgs, ScheduleArg};
 use crate::clock::StopWatch;
+use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::files::folder_of;
 use crate::job::{self, Extras, Job};
@@ -22,9 +23,9 @@ use crate::stop;
 /// A configuration, a dataset or an output folder that cannot be used.
 pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let watch = StopWatch::start();
-    let config = args.settings.load_with(&no_loops(args)).or_input()?;
+    let chosen = chosen(args).or_input()?;
     let options = options(args).or_input()?;
-    let mut session = Session::open_with(&args.sequence, &config, &options).or_input()?;
+    let mut session = Session::open_with(&args.sequence, &chosen.config, &options).or_input()?;
     session.setup_mut().faults.delays = args.delays;
     let replay = journal(args).or_input()?;
     let extras = extras(args).or_output()?;
@@ -33,13 +34,24 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let name = &session.input().sequence().name;
     let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), name).or_output()?;
     let (show, json) = (args.show.clone(), args.json);
-    let job = Job { session, replay, folder, extras, show, viewer, json, watch };
+    if let Some(name) = chosen.preset {
+        console::note(format!(
+            "configuration {name}, built in, as the layout suggests; --config takes another"
+        ));
+    }
+    let Chosen { preset, notices, .. } = chosen;
+    let job = Job { session, preset, notices, replay, folder, extras, show, viewer, json, watch };
     job::execute(&job, &stop).map(|(_, exit)| exit)
 }
 
-/// What `--no-loops` overrides.
-fn no_loops(args: &RunArgs) -> Vec<String> {
-    args.no_loops.then(|| "loops.enabled=false".to_owned()).into_iter().collect()
+/// The configuration. Images that are opened by a calibration file of their own have no layout.
+fn chosen(args: &RunArgs) -> Result<Chosen> {
+    let mut settings = args.settings.clone();
+    settings.overrides.extend(args.no_loops.then(|| "loops.enabled=false".to_owned()));
+    if args.calib.is_some() && settings.config.is_none() {
+        settings.config = Some("default".into());
+    }
+    settings.load_for(&args.sequence, &args.network)
 }
 
 /// What the arguments say beside the configuration.

@@ -91,6 +91,8 @@ pub(crate) struct Summary {
     pub(crate) seed: u64,
     /// Each frame without a pose of its own, with the reason.
     pub(crate) without_pose: Vec<WithoutPose>,
+    /// The built-in configuration that the layout of the sequence has chosen; `null` where there is none or another was given.
+    pub(crate) preset: Option<&'static str>,
     /// What the person was told before the run.
     pub(crate) notices: Vec<String>,
 }
@@ -130,6 +132,8 @@ pub(crate) struct Context {
     pub(crate) seed: u64,
     /// How tracking and mapping were interleaved.
     pub(crate) schedule: &'static str,
+    /// The built-in configuration that the layout of the sequence has chosen.
+    pub(crate) preset: Option<&'static str>,
     /// What the person was told before the run.
     pub(crate) notices: Vec<String>,
 }
@@ -199,6 +203,7 @@ impl Summary {
             sequence: context.sequence,
             seed: context.seed,
             without_pose,
+            preset: context.preset,
             notices: context.notices,
         }
     }

@@ -47,8 +47,8 @@ impl Camera {
     ///
     /// # Errors
     /// A file that is not a calibration, or stereo with one camera.
-    pub fn from_file(file: &Path, sensor: Option<Sensor>) -> Result<Self, Error> {
-        let (sequence, size) = io::open_cameras(file, sensor)?;
+    pub fn from_file(file: impl AsRef<Path>, sensor: Option<Sensor>) -> Result<Self, Error> {
+        let (sequence, size) = io::open_cameras(file.as_ref(), sensor)?;
         Ok(Self { sequence, size })
     }
 

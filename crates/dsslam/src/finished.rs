@@ -56,7 +56,7 @@ impl Finished {
     ///
     /// # Errors
     /// A file that cannot be written; an older one is then untouched.
-    pub fn save_map(&self, file: &Path) -> Result<String, Error> {
-        maps::save_map(file, &self.outcome.map, &self.info)
+    pub fn save_map(&self, file: impl AsRef<Path>) -> Result<String, Error> {
+        maps::save_map(file.as_ref(), &self.outcome.map, &self.info)
     }
 }

@@ -31,7 +31,7 @@ impl Session {
     ///
     /// # Errors
     /// Whatever of dataset and configuration cannot be used.
-    pub fn open(path: &Path, config: &Config) -> Result<Self, Error> {
+    pub fn open(path: impl AsRef<Path>, config: &Config) -> Result<Self, Error> {
         Self::open_with(path, config, &SessionOptions::default())
     }
 
@@ -39,8 +39,12 @@ impl Session {
     ///
     /// # Errors
     /// Whatever of dataset, configuration, network, vocabulary and start map cannot be used.
-    pub fn open_with(path: &Path, config: &Config, options: &SessionOptions) -> Result<Self, Error> {
-        Self::of(Input::open(path, config, &options.input)?, options)
+    pub fn open_with(
+        path: impl AsRef<Path>,
+        config: &Config,
+        options: &SessionOptions,
+    ) -> Result<Self, Error> {
+        Self::of(Input::open(path.as_ref(), config, &options.input)?, options)
     }
 
     /// A session on a rendered world.

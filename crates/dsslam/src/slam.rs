@@ -19,22 +19,8 @@ use crate::{Camera, Config, Error, Finished, Images, SlamOptions};
 /// There is no first pass over the frames, so `stereo.calibration_frames` has no meaning here; a known error of the stereo
 /// calibration goes into `stereo.disparity_offset_px`, which a run over the frames reports.
 ///
-/// ```
-/// # fn main() -> Result<(), dsslam::Error> {
-/// use dsslam::{Camera, Config, Slam};
-///
-/// let world = synth::World::new(synth::Preset::Town, 1, 1);
-/// let (width, height) = world.image_size();
-/// let mut slam = Slam::new(&Config::defaults()?, Camera::stereo(world.rig(), width, height))?;
-/// for i in 0..3 {
-///     let images = world.images(i);
-///     let seen = slam.track(i as i64 * 100_000_000, (&images.left, &images.right))?;
-///     println!("{} features, {:?}", seen.features, seen.world_from_cam);
-/// }
-/// assert_eq!(slam.finish()?.trajectory().poses.len(), 3);
-/// # Ok(())
-/// # }
-/// ```
+/// An inertial sensor and further cameras have their places beside [`Slam::track`] and [`Images`], a covariance in
+/// [`FrameAnswer`]; there are none yet.
 pub struct Slam {
     intake: Intake,
     setup: Setup,

@@ -8,6 +8,7 @@ use std::process::{Child, Command, Stdio};
 use io::{OpenOptions, Video, VideoReader, open_video};
 
 use crate::Error;
+use crate::programs::{find_program, shield};
 
 /// The program that comes with DSSLAM (`./install.sh --video`); it is looked for beside this one, then in the PATH.
 pub(crate) const HELPER: &str = "dsslam-video";
@@ -84,10 +85,8 @@ impl Stream {
         }
         drop(file);
         let (program, mut command) = decoder(path)?;
-        // In a process group of its own: Ctrl-C is for this program, which then ends the decoder.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let started = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        // Ctrl-C is for this program, which then ends the decoder.
+        let started = shield(&mut command).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
         let failed = |reason: &str| Error::Decoder { program: program.clone(), reason: reason.to_owned() };
         let mut child = started.map_err(|reason| failed(&reason.to_string()))?;
         let pipe = child.stdout.take().ok_or_else(|| failed("it has no output"))?;
@@ -132,12 +131,4 @@ fn decoder(path: &Path) -> Result<(PathBuf, Command), Error> {
     }
     command.arg("-i").arg(path).args(["-f", "yuv4mpegpipe", "-pix_fmt", "gray", "-strict", "-1", "-"]);
     Ok((program, command))
-}
-
-/// A program beside this one, or in the PATH.
-fn find_program(name: &str) -> Option<PathBuf> {
-    let beside = std::env::current_exe().ok().and_then(|exe| exe.parent().map(Path::to_path_buf));
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let folders = beside.into_iter().chain(std::env::split_paths(&path));
-    folders.map(|folder| folder.join(name)).find(|program| program.is_file())
 }

@@ -11,12 +11,12 @@ mod trajectory;
 mod video;
 
 pub use config::{
-    CameraSettings, ConfigErrors, Explained, InputSettings, Origins, Problem, Provenance, explain,
-    read_config, to_yaml,
+    CameraSettings, ConfigErrors, ConfigSource, Explained, InputSettings, Origins, Problem, Provenance,
+    explain, read_config, to_yaml,
 };
 pub use dataset::{
     Calibration, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera, RectifiedView,
-    Sequence, SequenceKind, Video, open_cameras, open_sequence, open_sequence_with, open_video,
+    Sequence, SequenceKind, Video, layout_of, open_cameras, open_sequence, open_sequence_with, open_video,
 };
 pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use geometry::Sensor;

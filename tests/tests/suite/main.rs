@@ -11,6 +11,7 @@ mod end_to_end;
 mod event_stream;
 mod map_file;
 mod program;
+mod pushed;
 mod real_data;
 mod rendered_feed;
 mod schedules;

@@ -40,10 +40,12 @@ pub(crate) fn program() -> PathBuf {
     program
 }
 
-/// The program with arguments, without colours, in a folder of its own choice of the caller.
+/// The program with arguments, without colors. A run that names no configuration has the defaults, whatever its layout suggests.
 pub(crate) fn command(args: &[&str]) -> Command {
     let mut command = Command::new(program());
-    command.args(args).env("NO_COLOR", "1").current_dir(std::env::temp_dir());
+    let is_run = args.iter().find(|arg| !arg.starts_with('-')) == Some(&"run");
+    let default = if is_run && !args.contains(&"--config") { &["--config", "default"][..] } else { &[] };
+    command.args(args).args(default).env("NO_COLOR", "1").current_dir(std::env::temp_dir());
     command
 }
 

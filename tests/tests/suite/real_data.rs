@@ -6,7 +6,7 @@ use crate::program::{dsslam, needs_onnxruntime, summary, text};
 use crate::root;
 
 /// A real sequence, if it is there.
-fn real(name: &str) -> Option<PathBuf> {
+pub(crate) fn real(name: &str) -> Option<PathBuf> {
     let path = std::env::var_os("DSSLAM_DATA").map(|data| PathBuf::from(data).join(name));
     match path {
         Some(path) if path.is_dir() => Some(path),

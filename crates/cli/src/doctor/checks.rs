@@ -78,7 +78,7 @@ fn onnx_runtime() -> Finding {
 }
 
 fn video() -> Finding {
-    let found = ["dsslam-video", "ffmpeg"].into_iter().find_map(probe::find_program);
+    let found = ["dsslam-video", "ffmpeg"].into_iter().find_map(dsslam::find_program);
     match found {
         Some(program) => Finding::ok("video", program.display().to_string()),
         None => Finding::optional(
@@ -90,7 +90,7 @@ fn video() -> Finding {
 }
 
 fn feeder() -> Finding {
-    match probe::find_program("dsslam-rerun") {
+    match dsslam::find_program("dsslam-rerun") {
         Some(program) => Finding::ok("dsslam-rerun", program.display().to_string()),
         None => Finding::optional(
             "dsslam-rerun",
@@ -103,7 +103,7 @@ fn feeder() -> Finding {
 /// The viewer itself, which shows files and streams of its own version.
 fn viewer() -> Finding {
     let remedy = format!("pip install rerun-sdk=={RERUN_VERSION}");
-    let Some(program) = probe::find_program("rerun") else {
+    let Some(program) = dsslam::find_program("rerun") else {
         return Finding::optional("Rerun viewer", "`rerun` not found: no window opens", remedy);
     };
     let version = probe::version_of(&program).unwrap_or_else(|| "an unknown version".to_owned());

@@ -1,24 +1,7 @@
 //! Questions to the machine.
 
-use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-
-/// A program beside this one or on the `PATH`.
-pub(super) fn find_program(name: &str) -> Option<PathBuf> {
-    let beside = env::current_exe().ok().and_then(|program| Some(program.parent()?.to_owned()));
-    let path = env::var_os("PATH").unwrap_or_default();
-    beside
-        .into_iter()
-        .chain(env::split_paths(&path))
-        .map(|folder| folder.join(name))
-        .find(|file| is_program(file))
-}
-
-fn is_program(file: &Path) -> bool {
-    use std::os::unix::fs::PermissionsExt;
-    file.metadata().is_ok_and(|data| data.is_file() && data.permissions().mode() & 0o111 != 0)
-}
 
 /// What a program calls its version: the second word of what it prints.
 pub(super) fn version_of(program: &Path) -> Option<String> {
@@ -71,16 +54,7 @@ mod tests {
     #[test]
     fn a_program_tells_its_version() {
         assert_eq!(version_of(Path::new("/no/such/program")), None);
-        let version = version_of(&find_program("cargo").unwrap()).unwrap();
+        let version = version_of(&dsslam::find_program("cargo").unwrap()).unwrap();
         assert!(version.starts_with("1."), "{version}");
-    }
-
-    #[test]
-    fn only_files_that_can_be_run_are_programs() {
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("tool");
-        std::fs::write(&file, b"").unwrap();
-        assert!(!is_program(&file) && !is_program(folder.path()));
-        assert!(find_program("sh").is_some() && find_program("no-such-program-anywhere").is_none());
     }
 }

@@ -1,14 +1,13 @@
 //! The viewer's process: found, started with a pipe, waited for. Whatever becomes of it, the run goes on.
 
-use std::env;
 use std::ffi::OsString;
 use std::fs::File;
-use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
+use dsslam::{find_program, shield};
 
 use super::Manner;
 
@@ -20,10 +19,7 @@ const STEP: Duration = Duration::from_millis(50);
 
 /// The viewer's program: beside this one, else on the `PATH`.
 pub(crate) fn find() -> Option<PathBuf> {
-    let beside = env::current_exe().ok().and_then(|program| Some(program.parent()?.join(PROGRAM)));
-    let on_path = env::var_os("PATH");
-    let on_path = on_path.iter().flat_map(env::split_paths).map(|folder| folder.join(PROGRAM));
-    beside.into_iter().chain(on_path).find(|path| path.is_file())
+    find_program(PROGRAM)
 }
 
 /// A viewer at work.
@@ -54,7 +50,7 @@ impl ViewerProcess {
         let mut command = Command::new(program);
         command.args(arguments(file, manner)).stdout(Stdio::null());
         // A Ctrl-C at the terminal is meant for the run; the viewer ends with its input.
-        command.process_group(0);
+        shield(&mut command);
         command.stdin(if file.is_none() { Stdio::piped() } else { Stdio::null() });
         let mut child =
             command.spawn().with_context(|| format!("{}: cannot be started", program.display()))?;

@@ -49,7 +49,7 @@ impl FeaturesArgs {
     /// # Errors
     /// An image, a configuration or a network that cannot be used, a picture that cannot be written.
     pub(crate) fn run(&self) -> Result<Exit, Failure> {
-        let config = self.settings.load().or_input()?;
+        let config = self.settings.load_for(&self.input, &self.network).or_input()?.config;
         let mut picture = input::picture(&self.input, self.picture.frame, &config).or_input()?;
         let found = self.find(&mut picture)?;
         let settings = &picture.settings;

@@ -10,7 +10,7 @@ use geometry::{FundamentalEstimator, Mat3, RansacOptions, Vec2, mix_seed, ransac
 
 use super::input::{Frames, Picture, picture};
 use super::{row, save};
-use crate::args::SettingsArgs;
+use crate::args::{NetworkArgs, SettingsArgs};
 use crate::exit::{Exit, Failure, OrExit};
 
 /// Arguments of `dsslam inspect match`.
@@ -97,7 +97,7 @@ impl MatchArgs {
     }
 
     fn pair(&self) -> Result<Pair> {
-        let config = self.settings.load()?;
+        let config = self.settings.load_for(&self.a, &NetworkArgs::default())?.config;
         if let (Some(numbers), true) = (&self.frames, self.a.is_dir()) {
             let frames = Frames::open(&self.a, None, &config)?;
             let pictures = [frames.picture(Some(numbers[0]))?, frames.picture(Some(numbers[1]))?];

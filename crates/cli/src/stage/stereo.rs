@@ -37,7 +37,7 @@ impl StereoArgs {
     /// # Errors
     /// A sequence or a configuration that cannot be used, a picture that cannot be written.
     pub(crate) fn run(&self) -> Result<Exit, Failure> {
-        let config = self.settings.load().or_input()?;
+        let config = self.settings.load_for(&self.sequence, &self.network).or_input()?.config;
         let frames = Frames::open(&self.sequence, Some(Sensor::Stereo), &config).or_input()?;
         let (info, images) = frames.load(self.picture.frame).or_input()?;
         let name = frames.name_of(info);

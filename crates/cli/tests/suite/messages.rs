@@ -18,6 +18,37 @@ fn json_is_the_summary_and_nothing_else() {
 }
 
 #[test]
+fn the_layout_chooses_the_configuration_and_the_program_says_which() {
+    let dir = sandbox();
+    let run = |args: &[&str]| {
+        let args = [&["kitti/sequences/06", "--out", "out"], args].concat();
+        // The call is that of a user: nothing is added.
+        let Call { code, stderr, .. } = dsslam_in(dir.path(), &[&["-v", "run"], &args[..]].concat());
+        assert_eq!(code, Some(0), "{stderr}");
+        let read = |name: &str| std::fs::read_to_string(dir.path().join("out").join(name)).unwrap();
+        (stderr, serde_json::from_str::<Value>(&read("summary.json")).unwrap(), read("config.yaml"))
+    };
+    let (stderr, summary, config) = run(&[]);
+    let line = "configuration kitti, built in, as the layout suggests; --config takes another";
+    assert!(stderr.lines().any(|l| l == line), "{stderr}");
+    assert_eq!(summary["preset"], "kitti");
+    assert!(config.contains("calibration_frames: 400"), "{config}");
+    for (name, preset) in [("kitti", Value::Null), ("kitti.yaml", Value::Null), ("default", Value::Null)] {
+        let lacks = ["--set", "features.selection=response"];
+        let (stderr, summary, config) = run(&[&["--config", name], &lacks[..]].concat());
+        assert_eq!(summary["preset"], preset, "{stderr}");
+        assert_eq!(config.contains("calibration_frames: 400"), name != "default", "{config}");
+    }
+    let args = ["run", "kitti/sequences/06", "--config", "kiti.yaml"];
+    let Call { code, stderr, .. } = dsslam_in(dir.path(), &args);
+    assert_eq!(
+        (code, stderr.contains("built-in ones: default, euroc, kitti, tum-rgbd")),
+        (Some(2), true),
+        "{stderr}"
+    );
+}
+
+#[test]
 fn log_lines_are_json_objects_with_their_events() {
     let dir = sandbox();
     let args = ["run", "kitti/sequences/06", "-vv", "--log-format", "json", "--out", "out"];

@@ -29,9 +29,14 @@ pub(super) fn ended(command: &mut Command) -> Call {
     }
 }
 
-/// The program with arguments in a folder.
+/// The program with arguments in a folder. A run that names no configuration has the defaults, whatever its layout suggests.
 pub(super) fn dsslam_in(dir: &Path, args: &[&str]) -> Call {
-    ended(Command::new(env!("CARGO_BIN_EXE_dsslam")).args(args).current_dir(dir))
+    let default = if args[..].first() == Some(&"run") && !args.contains(&"--config") {
+        &["--config", "default"][..]
+    } else {
+        &[]
+    };
+    ended(Command::new(env!("CARGO_BIN_EXE_dsslam")).args(args).args(default).current_dir(dir))
 }
 
 /// The program with arguments: exit code, and standard output followed by standard error.

@@ -2,19 +2,21 @@
 //! Its sections are the parameter structs of the crates that use them: a new key stands there and nowhere else.
 
 mod camera;
+mod preset;
 mod rules;
 
 use std::path::Path;
 use std::sync::LazyLock;
 
 use features::{ExtractorConfig, StereoConfig};
-use io::{CameraSettings, ConfigErrors, Explained, InputSettings, Origins, Provenance};
+use io::{CameraSettings, ConfigErrors, ConfigSource, Explained, InputSettings, Origins, Provenance};
 use runtime::Lags;
 use serde::{Deserialize, Serialize};
 use settings::{Entry, Section, integer};
 use slam::{LoopParams, MappingParams, TrackingParams, Weights};
 
 pub use camera::CameraError;
+pub use preset::{Chosen, presets};
 
 /// A complete, checked configuration. [`SCHEMA`] documents its keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -82,12 +84,29 @@ pub static SCHEMA: LazyLock<Vec<Entry>> = LazyLock::new(|| {
 
 impl Config {
     /// Reads a configuration: the defaults, over them the file's values, over them the overrides (`key=value`, the last
-    /// one wins).
+    /// one wins). A path that is not a file may name a built-in configuration, such as `kitti`.
     ///
     /// # Errors
     /// [`ConfigErrors`] with everything that is wrong in the file and the overrides.
     pub fn load(path: Option<&Path>, overrides: &[String]) -> Result<Self, ConfigErrors> {
-        let (config, origins): (Self, Origins) = io::read_config(&SCHEMA, path, overrides)?;
+        match path.filter(|path| !path.is_file()) {
+            Some(path) => match preset::find(path) {
+                Some((name, text)) => Self::of_text(name, text, overrides),
+                None if preset::is_name(path) => Err(preset::unknown(path)),
+                None => Self::of(Some(ConfigSource::File(path)), overrides),
+            },
+            None => Self::of(path.map(ConfigSource::File), overrides),
+        }
+    }
+
+    /// A built-in configuration.
+    fn of_text(name: &str, text: &str, overrides: &[String]) -> Result<Self, ConfigErrors> {
+        let name = format!("{name} (built in)");
+        Self::of(Some(ConfigSource::Text { name: &name, text }), overrides)
+    }
+
+    fn of(source: Option<ConfigSource<'_>>, overrides: &[String]) -> Result<Self, ConfigErrors> {
+        let (config, origins): (Self, Origins) = io::read_config(&SCHEMA, source, overrides)?;
         let config = Self { origins, ..config };
         let problems = rules::check(&config);
         if problems.is_empty() { Ok(config) } else { Err(ConfigErrors(problems)) }

@@ -23,6 +23,20 @@ pub use origins::Origins;
 pub use problem::{ConfigErrors, Problem, Provenance};
 pub use sections::{CameraSettings, InputSettings};
 
+/// Where a configuration is read from.
+#[derive(Clone, Copy, Debug)]
+pub enum ConfigSource<'a> {
+    /// A file in YAML.
+    File(&'a Path),
+    /// YAML, and what messages call it.
+    Text {
+        /// What messages call it.
+        name: &'a str,
+        /// YAML.
+        text: &'a str,
+    },
+}
+
 /// Reads a configuration of these keys: the defaults, over them the file's values, over them the overrides (`key=value`, the
 /// last one wins). `T` has a field for each section, and in it one for each key.
 ///
@@ -30,11 +44,15 @@ pub use sections::{CameraSettings, InputSettings};
 /// [`ConfigErrors`] with everything that is wrong in the file and the overrides.
 pub fn read_config<T: Default + Serialize + DeserializeOwned>(
     keys: &[Entry],
-    path: Option<&Path>,
+    source: Option<ConfigSource<'_>>,
     overrides: &[String],
 ) -> Result<(T, Origins), ConfigErrors> {
     let mut problems = Vec::new();
-    let from_file = path.map_or_else(Vec::new, |path| source::read_file(path, &mut problems));
+    let from_file = match source {
+        None => Vec::new(),
+        Some(ConfigSource::File(path)) => source::read_file(path, &mut problems),
+        Some(ConfigSource::Text { name, text }) => source::read_text(Path::new(name), text, &mut problems),
+    };
     let from_overrides: Vec<_> =
         overrides.iter().filter_map(|argument| source::read_override(argument, &mut problems)).collect();
     resolve::resolve(keys, &from_file, &from_overrides, problems)

@@ -41,8 +41,13 @@ pub(super) fn read_file(path: &Path, problems: &mut Vec<Problem>) -> Vec<Given> 
             return Vec::new();
         }
     };
+    read_text(path, file.text(), problems)
+}
+
+/// Reads YAML that is called `path`; what is wrong with its form is added to `problems`.
+pub(super) fn read_text(path: &Path, text: &str, problems: &mut Vec<Problem>) -> Vec<Given> {
     let mut given = Vec::new();
-    match serde_saphyr::from_str_with_options::<Spanned<Node>>(file.text(), options()) {
+    match serde_saphyr::from_str_with_options::<Spanned<Node>>(text, options()) {
         Ok(root) => flatten(path, "", root, &mut given, problems),
         Err(error) => problems.push(syntax_problem(path, &error)),
     }

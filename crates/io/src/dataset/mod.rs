@@ -210,17 +210,31 @@ pub fn open_sequence_with(dir: &Path, options: &OpenOptions) -> Result<Sequence,
         return Err(DatasetError::NotAFolder { path: dir.to_path_buf() });
     }
     if let Some(file) = options.calibration.clone().or_else(|| camera_file::find(dir)) {
-        image_folder::open(dir, Some(&file), options)
+        return image_folder::open(dir, Some(&file), options);
+    }
+    match layout_of(dir) {
+        Some(SequenceKind::TumRgbd) => tum::open(dir, options),
+        Some(SequenceKind::Kitti) => kitti::open(dir, options),
+        Some(SequenceKind::Euroc) => {
+            euroc::open(dir, &euroc::find_root(dir).unwrap_or_else(|| dir.to_path_buf()), options)
+        }
+        Some(_) => image_folder::open(dir, None, options),
+        None => Err(DatasetError::UnknownLayout { path: dir.to_path_buf() }),
+    }
+}
+
+/// The layout of a folder, from what lies in it; a calibration file in it makes it one of images, whatever else there is.
+pub fn layout_of(dir: &Path) -> Option<SequenceKind> {
+    if camera_file::find(dir).is_some() {
+        Some(SequenceKind::Images)
     } else if dir.join("rgb.txt").exists() {
-        tum::open(dir, options)
+        Some(SequenceKind::TumRgbd)
     } else if kitti::is_kitti(dir) {
-        kitti::open(dir, options)
-    } else if let Some(root) = euroc::find_root(dir) {
-        euroc::open(dir, &root, options)
-    } else if image_folder::has_images(dir) {
-        image_folder::open(dir, None, options)
+        Some(SequenceKind::Kitti)
+    } else if euroc::find_root(dir).is_some() {
+        Some(SequenceKind::Euroc)
     } else {
-        Err(DatasetError::UnknownLayout { path: dir.to_path_buf() })
+        image_folder::has_images(dir).then_some(SequenceKind::Images)
     }
 }
 
