@@ -15,15 +15,10 @@ impl Mapper {
         let candidates = center.covisible_at_least(self.params.mapping.min_covisible_weight).to_vec();
         let mut removed = 0;
         for (id, _) in candidates {
-            if self.world.map.roots().contains(&id) || id == keyframe {
-                continue;
-            }
-            if is_redundant(&self.world.map, id, &self.params) {
-                let gone = self.world.map.remove_keyframe(id).is_ok();
-                if gone {
-                    self.world.places.remove(id);
-                }
-                removed += usize::from(gone);
+            // The map itself keeps its roots.
+            if is_redundant(&self.world.map, id, &self.params) && self.world.map.remove_keyframe(id).is_ok() {
+                self.world.places.remove(id);
+                removed += 1;
             }
         }
         removed

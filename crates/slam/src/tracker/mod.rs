@@ -314,3 +314,7 @@ fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
         inliers: Vec::new(),
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/steps/tracker.rs"]
+mod tests;

@@ -27,6 +27,8 @@ pub(crate) struct Shot {
     pub(crate) shift_px: [f64; 2],
     /// Whether the right camera sees it too.
     pub(crate) stereo: bool,
+    /// Added to the column in the right image, beside the shift.
+    pub(crate) right_px: f64,
     /// Bits of the descriptor that differ from the landmark's.
     pub(crate) flipped: u32,
     pub(crate) angle_deg: f32,
@@ -34,7 +36,15 @@ pub(crate) struct Shot {
 
 /// A landmark as it is.
 pub(crate) fn shot(landmark: usize) -> Shot {
-    Shot { landmark, octave: OCTAVE, shift_px: [0.0, 0.0], stereo: true, flipped: 0, angle_deg: 10.0 }
+    Shot {
+        landmark,
+        octave: OCTAVE,
+        shift_px: [0.0, 0.0],
+        stereo: true,
+        right_px: 0.0,
+        flipped: 0,
+        angle_deg: 10.0,
+    }
 }
 
 /// Landmarks with looks of their own.
@@ -82,7 +92,11 @@ impl Scene {
             let (octave, angle_deg) = (shot.octave, shot.angle_deg);
             features.keypoints.push(Keypoint { x, y, octave, angle_deg, response: 50.0 });
             features.descriptors.push(flipped(self.looks[shot.landmark], shot.flipped));
-            right_u.push(if shot.stereo { (uvr.z + shot.shift_px[0]) as f32 } else { f32::NAN });
+            right_u.push(if shot.stereo {
+                (uvr.z + shot.shift_px[0] + shot.right_px) as f32
+            } else {
+                f32::NAN
+            });
         }
         let scales = Arc::new(ScaleLevels::new(8, 1.2));
         Arc::new(Frame::new(index, 0.1 * f64::from(index), Arc::new(rig), scales, features, right_u))

@@ -111,6 +111,25 @@ fn looks_octaves_and_turns_must_agree() {
 }
 
 #[test]
+fn of_two_alike_features_neither_is_taken() {
+    let mut scene = Scene::wall(160);
+    // 1 looks like 0 but for a few bits; in the second view both are about as far from the look of 0.
+    scene.landmarks[1] = scene.landmarks[0] + Vec3::new(0.1, 0.0, 0.0);
+    let matched = |bits: u32| {
+        let mut scene = scene.clone();
+        scene.looks[1] = crate::scene::flipped(scene.looks[0], bits);
+        let shots: Vec<Shot> =
+            (0..160).map(|i| Shot { stereo: false, octave: 0, flipped: 20, ..shot(i) }).collect();
+        let mut waiting = None;
+        let whole: Vec<Shot> = (0..160).map(|i| Shot { stereo: false, octave: 0, ..shot(i) }).collect();
+        Initializer::begin(&mut waiting, &scene.frame(0, &SE3::identity(), &whole));
+        waiting.unwrap().match_with(&scene.frame(1, &SE3::identity(), &shots)).iter().any(|m| m.0 == 0)
+    };
+    // Distances 20 and 20: not clear. 20 and 100: clear.
+    assert!(!matched(40) && matched(120));
+}
+
+#[test]
 fn coarse_features_do_not_take_part() {
     for (octave, n) in [(2, 160), (3, 0)] {
         let coarse = |s: &mut Shot| s.octave = octave;

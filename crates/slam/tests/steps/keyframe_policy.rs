@@ -40,6 +40,7 @@ fn few_shared_points_wait_for_the_mapper_or_the_gap() {
 #[test]
 fn weak_tracking_waits_for_nobody() {
     assert_eq!(decide(&Counts { inliers: 99, ..QUIET }), Some(KeyframeReason::FewShared));
+    assert_eq!(decide(&Counts { inliers: 100, ..QUIET }), None);
     assert_eq!(
         decide(&Counts { close_tracked: 99, close_untracked: 71, ..QUIET }),
         Some(KeyframeReason::FewClose)

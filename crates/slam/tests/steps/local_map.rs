@@ -18,6 +18,8 @@ fn the_keyframe_with_most_votes_is_the_reference_of_equals_the_older() {
     assert_eq!(gathered(&map, &[16, 17, 18, 24], 80).reference, KeyframeId(3), "2 has three votes, 3 four");
     assert_eq!(gathered(&map, &[16, 17], 80).reference, KeyframeId(2));
     assert_eq!(gathered(&map, &[], 80).reference, KeyframeId(99));
+    // With room for one keyframe it is the one with most votes.
+    assert_eq!(gathered(&map, &[16, 17, 24], 1).points, (16..32).map(PointId).collect::<Vec<_>>());
 }
 
 fn neighbours(map: &Map, voters: &[u32], max: usize) -> Vec<u32> {
@@ -53,12 +55,13 @@ fn its_points_are_those_of_all_local_keyframes() {
     assert_eq!(local.points, (32..48).map(PointId).collect::<Vec<_>>());
 }
 
-/// A wall of landmarks seen by two keyframes, and a frame of these shots tracked in it from a pose that is `off`.
-fn tracked(shots: &[Shot], off: &SE3, attempt: Attempt) -> LocallyTracked {
+/// A wall of landmarks seen by two keyframes, and a frame of these shots tracked in it from a pose that is `off`, `n_given`
+/// points matched before.
+fn tracked(shots: &[Shot], off: &SE3, attempt: Attempt, n_given: u32) -> LocallyTracked {
     let scene = Scene::wall(60);
     let map = scene.map(&[SE3::identity(), at(0.3, 0.0, 0.0)]);
     let frame = scene.frame(2, &truth(), shots);
-    let matches: Vec<(u32, PointId)> = (0..10).map(|i| (i, PointId(i))).collect();
+    let matches: Vec<(u32, PointId)> = (0..n_given).map(|i| (i, PointId(i))).collect();
     let predicted = Prediction { cam_from_world: *off * truth(), matches, attempt };
     gathered(&map, &[0, 1, 2], 80).track(&frame, &map, &predicted, &params())
 }
@@ -74,7 +77,7 @@ fn all() -> Vec<Shot> {
 #[test]
 fn the_other_points_are_found_and_the_pose_rests_on_all() {
     let off = SE3::new(geometry::SO3::identity(), geometry::Vec3::new(0.02, 0.0, 0.0));
-    let local = tracked(&all(), &off, Attempt::Motion);
+    let local = tracked(&all(), &off, Attempt::Motion, 10);
     assert!(gap(&local.cam_from_world, &truth()) < 1e-3);
     assert_eq!((local.matches.len(), local.matched.len(), local.stats.local_points), (60, 60, 60));
     assert_eq!(local.counts.len(), 60);
@@ -88,7 +91,7 @@ fn an_outlier_is_matched_but_not_found() {
     let mut shots = all();
     // 3.4 px at octave 2: within the window of 2.5 px * 1.44, beyond the gate of 2.8 * 0.7 px * 1.44.
     shots[20].shift_px = [0.0, 3.4];
-    let local = tracked(&shots, &SE3::identity(), Attempt::Motion);
+    let local = tracked(&shots, &SE3::identity(), Attempt::Motion, 10);
     let is_20 = |m: &&(u32, PointId)| m.0 == 20;
     assert_eq!(
         (local.matched.iter().filter(is_20).count(), local.matches.iter().filter(is_20).count()),
@@ -102,8 +105,8 @@ fn an_outlier_is_matched_but_not_found() {
 fn windows_are_wide_after_a_prediction_without_motion_model() {
     // 0.2 m at 10 m are 10 px: beyond 4 * 1.73, within five times that.
     let off = SE3::new(geometry::SO3::identity(), geometry::Vec3::new(0.2, 0.0, 0.0));
-    let matched = |attempt| tracked(&all(), &off, attempt).matched.len();
-    assert_eq!(matched(Attempt::Motion), 10, "the given ones");
+    let matched = |attempt| tracked(&all(), &off, attempt, 3).matched.len();
+    assert_eq!(matched(Attempt::Motion), 3, "the given ones, too few to mend the pose");
     assert_eq!(matched(Attempt::ReferenceKeyframe), 60);
 }
 

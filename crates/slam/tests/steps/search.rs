@@ -40,6 +40,16 @@ fn the_window_grows_with_the_octave() {
 }
 
 #[test]
+fn the_right_column_must_fit_where_it_is_known() {
+    let with = |right_px: f64, stereo: bool| {
+        let mut shots = all();
+        (shots[3].right_px, shots[3].stereo) = (right_px, stereo);
+        found(&shots, &[], WINDOW).matches.len()
+    };
+    assert_eq!([with(5.0, true), with(-8.0, true), with(-8.0, false)], [10, 9, 10]);
+}
+
+#[test]
 fn a_feature_of_another_octave_or_look_is_not_taken() {
     let with = |change: &dyn Fn(&mut Shot)| {
         let mut shots = all();

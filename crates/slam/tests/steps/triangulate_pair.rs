@@ -53,6 +53,27 @@ fn the_nearer_stereo_view_is_taken() {
 }
 
 #[test]
+fn the_larger_parallax_decides_between_rays_and_stereo() {
+    // A pixel off along the motion: rays would put the landmark half a meter off, the stereo depth of the other view not.
+    let shots = [shot(0), Shot { shift_px: [1.0, 0.0], ..mono() }];
+    let error_m =
+        |distance_m: f64| (located(AHEAD, &at(distance_m, 0.0, 0.0), shots).unwrap() - AHEAD).norm();
+    // The rig's own parallax is that of 0.5 m.
+    assert!(error_m(0.4) < 0.02, "{}", error_m(0.4));
+    assert!(error_m(0.6) > 0.2, "{}", error_m(0.6));
+}
+
+#[test]
+fn a_stereo_depth_must_fit_the_other_view_too() {
+    let second = at(0.1, 0.0, 0.0);
+    let up = |pixels: f64| Shot { shift_px: [0.0, pixels], ..mono() };
+    // One camera, octave 2: the gate is at 2.4477 * 1.44 px.
+    assert!(located(AHEAD, &second, [shot(0), up(3.4)]).is_some());
+    assert!(located(AHEAD, &second, [shot(0), up(3.6)]).is_none());
+    assert!(located(AHEAD, &second, [up(3.6), shot(0)]).is_none());
+}
+
+#[test]
 fn what_does_not_reproject_is_refused() {
     // Octave 2: the gate is at 4.03 px with the right column; DLT shares an error across the line between both views.
     let up = |pixels: f64| Shot { shift_px: [0.0, pixels], ..shot(0) };

@@ -78,9 +78,12 @@ fn forty_points_must_be_found() {
     for (n, accepted) in [(39, false), (40, true)] {
         let (_, world) = two_visits(n, &drift(), 1.0, |_| {});
         let result = verified(&world, &params());
-        assert_eq!(result.is_ok(), accepted, "{n}: {result:?}");
-        if let Err(reason) = result {
-            assert_eq!(reason, NoLoop::TooFewInliers { found: 39, needed: 40, visible: 39 });
+        match result {
+            Ok(found) => assert!(accepted && found.matches.len() == n, "{}", found.matches.len()),
+            Err(reason) => {
+                assert_eq!(reason, NoLoop::TooFewInliers { found: 39, needed: 40, visible: 39 });
+                assert!(!accepted);
+            }
         }
     }
 }
