@@ -72,6 +72,22 @@ fn only_what_reprojects_within_the_gate_is_fused() {
 }
 
 #[test]
+fn what_looks_more_alike_but_is_farther_away_does_not_matter() {
+    let scene = Scene::wall(SHARED + 1);
+    let mut map = scene.map(&[SE3::identity()]);
+    let pose = at(0.3, 0.0, 0.0);
+    let mut shots: Vec<Shot> = (0..SHARED).map(shot).collect();
+    // 7 px are beyond the window of 3 px * 1.2^3.
+    shots.push(Shot { flipped: 20, ..shot(SHARED) });
+    shots.push(Shot { shift_px: [0.0, 7.0], ..shot(SHARED) });
+    let matches: Vec<(u32, u32)> = (0..SHARED as u32).map(|i| (i, i)).collect();
+    add(&mut map, scene.frame(1, &pose, &shots), &pose, &matches, &[]);
+    let mut mapper = mapper(map, &params());
+    assert_eq!(mapper.fuse(KeyframeId(1)), 1);
+    assert_eq!(point_of(&mapper.world.map, 1, SHARED), Some(PointId(SHARED as u32)));
+}
+
+#[test]
 fn the_point_with_more_observations_stays() {
     let scene = Scene::wall(4);
     let mut map = scene.map(&[SE3::identity()]);
