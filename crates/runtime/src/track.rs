@@ -141,7 +141,7 @@ fn note_relocalisation(
     log: &mut TrackLog,
     emit: &mut dyn FnMut(Event),
 ) {
-    if let (true, Some(keyframe)) = (tracked.stats.relocalised, tracked.pose.map(|pose| pose.keyframe)) {
+    if let (true, Some(keyframe)) = (tracked.stats.relocalized, tracked.pose.map(|pose| pose.keyframe)) {
         log.relocalisations += 1;
         let submap = view.world.map.submap_of(keyframe);
         emit(Event::Relocalised { frame: info.index, keyframe, submap });

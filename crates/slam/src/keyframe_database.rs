@@ -14,7 +14,7 @@ const CHUNK: usize = 64;
 /// What the vocabulary says about the keyframes of a map. A clone is a cheap snapshot that later changes leave alone.
 #[derive(Clone, Default)]
 pub struct KeyframeDatabase {
-    /// Without one, no place is ever recognised.
+    /// Without one, no place is ever recognized.
     vocabulary: Option<Arc<Vocabulary>>,
     /// Whether features count in words as far as they are trusted.
     weighted: bool,
@@ -39,7 +39,7 @@ impl fmt::Debug for KeyframeDatabase {
 }
 
 impl KeyframeDatabase {
-    /// No places yet, in the words of a vocabulary; without one, no place will ever be recognised.
+    /// No places yet, in the words of a vocabulary; without one, no place will ever be recognized.
     pub fn new(vocabulary: Option<Arc<Vocabulary>>) -> Self {
         KeyframeDatabase { vocabulary, ..KeyframeDatabase::default() }
     }

@@ -1,4 +1,4 @@
-//! The steps of SLAM: initialise, track, map, relocalise, close loops.
+//! The steps of SLAM: initialize, track, map, relocalize, close loops.
 //!
 //! [`Tracker`] turns a frame and an immutable [`World`] into a [`Tracked`] value; [`LoopCloser`] turns a keyframe and a
 //! world into a [`LoopCorrection`], or a reason why there is none; [`Mapper`] owns the world and is its only writer. None

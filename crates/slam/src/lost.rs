@@ -23,7 +23,7 @@ pub enum Lost {
     },
     /// The local map confirms too few points.
     TooFewLocalInliers {
-        /// Inlier matches after the last optimisation.
+        /// Inlier matches after the last optimization.
         found: usize,
         /// What it would have needed.
         needed: usize,

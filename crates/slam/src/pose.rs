@@ -1,4 +1,4 @@
-//! From matches to a pose: by RANSAC where none is known, by motion-only optimisation where one is.
+//! From matches to a pose: by RANSAC where none is known, by motion-only optimization where one is.
 
 use features::Frame;
 use geometry::{PnpEstimator, RansacOptions, SE3, Vec3, ransac};
@@ -16,7 +16,7 @@ pub(crate) struct RefinedPose {
     pub(crate) inliers: Vec<(u32, PointId)>,
 }
 
-/// Optimises the pose of `frame` with matches of its features and world positions; also says which matches agree.
+/// Optimizes the pose of `frame` with matches of its features and world positions; also says which matches agree.
 pub(crate) fn refine_with_positions(
     frame: &Frame,
     initial: SE3,
@@ -39,7 +39,7 @@ pub(crate) fn refine_with_positions(
     (solution.cam_from_world, solution.inliers)
 }
 
-/// Optimises the pose of `frame` with `matches` of its features and points of `map`; removed points are passed over.
+/// Optimizes the pose of `frame` with `matches` of its features and points of `map`; removed points are passed over.
 pub(crate) fn refine(
     frame: &Frame,
     map: &Map,

@@ -5,7 +5,7 @@
 pub enum Stage {
     /// Prediction by the motion model, the reference keyframe or recovery.
     Predict,
-    /// Search of local map points and the final motion-only optimisation.
+    /// Search of local map points and the final motion-only optimization.
     LocalMap,
     /// The keyframe decision.
     Decide,

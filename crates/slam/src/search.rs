@@ -55,7 +55,7 @@ pub(crate) fn search_points(
     search_points_with(frame, map, cam_from_world, points, given, |_| window.radius_px, accept)
 }
 
-/// [`search_points`] with a window for each projection (pixels at octave 0) and any judgement of the finds.
+/// [`search_points`] with a window for each projection (pixels at octave 0) and any judgment of the finds.
 pub(crate) fn search_points_with(
     frame: &Frame,
     map: &Map,

@@ -13,7 +13,7 @@ fn params() -> Params {
     Params::stereo(21.0, 10.0)
 }
 
-/// Distance between the estimated and the true camera centres, in the frame of the first camera.
+/// Distance between the estimated and the true camera centers, in the frame of the first camera.
 fn error_m(estimate: &SE3, i: u32) -> f64 {
     let truth = slalom(0).inverse() * slalom(i);
     (estimate.translation - truth.translation).norm()

@@ -1,4 +1,4 @@
-//! A ring road of points, driven round: loops, relocalisation, sub-maps that are joined, localisation in a finished map.
+//! A ring road of points, driven round: loops, relocalization, sub-maps that are joined, localization in a finished map.
 
 #[allow(dead_code, reason = "each test takes what it needs")]
 mod common;
@@ -62,7 +62,7 @@ impl Trio {
         tracked
     }
 
-    /// Error of the pose of a frame that was just tracked, metres.
+    /// Error of the pose of a frame that was just tracked, meters.
     fn error_m(&self, tracked: &Tracked, truth: &SE3) -> f64 {
         (self.pair.world_from_cam(tracked).expect("the frame has a pose").translation - truth.translation)
             .norm()
@@ -124,7 +124,7 @@ fn a_kidnapped_camera_finds_back_by_the_place_index() {
     }
     // Back at frame 20's place, far from the last keyframe.
     let tracked = trio.step(&scene.frame(75, &on_ring(20)));
-    assert!(tracked.stats.relocalised, "{:?}", tracked.state);
+    assert!(tracked.stats.relocalized, "{:?}", tracked.state);
     let error_m = trio.error_m(&tracked, &on_ring(20));
     assert!(error_m < 0.1, "{error_m} m");
     assert_eq!(trio.pair.mapper.world().map.roots().len(), 1);
@@ -161,7 +161,7 @@ fn a_lasting_loss_starts_a_sub_map_that_a_loop_joins() {
 }
 
 #[test]
-fn a_finished_map_localises_and_stays_as_it_is() {
+fn a_finished_map_localizes_and_stays_as_it_is() {
     let scene = World::ring(RADIUS_M, 0.4, 30.0);
     let mut first = Trio::new(&params(), empty());
     for i in 0..60 {
@@ -177,7 +177,7 @@ fn a_finished_map_localises_and_stays_as_it_is() {
         let truth = on_ring(i) * aside;
         let tracked = second.step(&scene.frame(1000 + i, &truth));
         assert_eq!(tracked.state, TrackState::Tracked, "frame {i}");
-        assert_eq!(tracked.stats.relocalised, i == 10);
+        assert_eq!(tracked.stats.relocalized, i == 10);
         let error_m = second.error_m(&tracked, &truth);
         assert!(error_m < 0.15, "frame {i}: {error_m} m");
     }

@@ -64,7 +64,19 @@ fn features_kept_and_dropped_by_a_selection_are_counted_and_drawn() {
 #[test]
 fn most_matches_of_two_moments_are_explained_by_one_motion() {
     let dir = sandbox();
-    let args = ["inspect", "match", "kitti/sequences/06", "--frames", "0", "2", "--guided", "--config", "default", "-o", "m.png"];
+    let args = [
+        "inspect",
+        "match",
+        "kitti/sequences/06",
+        "--frames",
+        "0",
+        "2",
+        "--guided",
+        "--config",
+        "default",
+        "-o",
+        "m.png",
+    ];
     let Call { code, stdout, stderr } = dsslam_in(dir.path(), &args);
     assert_eq!(code, Some(0), "{stderr}");
     let [matches, inliers, outliers] =

@@ -16,13 +16,13 @@ use crate::params::Params;
 
 /// Changes of scale beyond this factor are not drift.
 const MAX_SCALE: f64 = 3.0;
-/// Standard deviations of the motion between neighbouring keyframes: a constant part, and per metre or radian of it.
+/// Standard deviations of the motion between neighboring keyframes: a constant part, and per meter or radian of it.
 const SIGMA_M: f64 = 0.005;
 const SIGMA_M_PER_M: f64 = 0.01;
 const SIGMA_RAD: f64 = 5e-4;
 const SIGMA_RAD_PER_M: f64 = 1e-4;
 const SIGMA_RAD_PER_RAD: f64 = 0.01;
-/// Standard deviation of the logarithm of the scale between neighbouring keyframes.
+/// Standard deviation of the logarithm of the scale between neighboring keyframes.
 const SIGMA_LOG_SCALE: f64 = 0.01;
 
 /// The correction that a verified loop asks for.
@@ -117,7 +117,7 @@ fn corrected(keyframe: KeyframeId, cam_from_world: &Sim3) -> KeyframeCorrection 
     }
 }
 
-/// Variances of translation, rotation and logarithm of scale for a motion in a map where a metre has the length `unit`.
+/// Variances of translation, rotation and logarithm of scale for a motion in a map where a meter has the length `unit`.
 fn variances(motion: &SE3, unit: f64) -> [f64; 7] {
     let (length, angle) = (motion.translation.norm(), motion.rotation.angle());
     let sigma_m = unit * SIGMA_M + SIGMA_M_PER_M * length;

@@ -11,7 +11,7 @@ use crate::params::{CameraParams, Params};
 /// Standard deviations that even the shortest motion has.
 const SIGMA_M: f64 = 0.01;
 const SIGMA_RAD: f64 = 1e-3;
-/// Drift of the rotation, radians per metre of path and per radian turned: three times what stereo odometry shows.
+/// Drift of the rotation, radians per meter of path and per radian turned: three times what stereo odometry shows.
 const SIGMA_RAD_PER_M: f64 = 5e-5;
 const SIGMA_RAD_PER_RAD: f64 = 5e-3;
 /// Standard deviations of the loop's own motion.

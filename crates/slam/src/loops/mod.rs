@@ -29,7 +29,7 @@ pub struct LoopCorrection {
     pub matched: KeyframeId,
     /// Points of the earlier visit that the keyframe shows.
     pub inliers: usize,
-    /// How far the keyframe is from where it was thought to be, metres.
+    /// How far the keyframe is from where it was thought to be, meters.
     pub moved_m: f64,
     /// How far it is turned, degrees.
     pub turned_deg: f64,

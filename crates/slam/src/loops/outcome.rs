@@ -25,7 +25,7 @@ pub enum LoopOutcome {
 /// Why there is no loop.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoLoop {
-    /// Loops are switched off, or there is no vocabulary to recognise places with.
+    /// Loops are switched off, or there is no vocabulary to recognize places with.
     NoPlaces,
     /// The map is too small, or the last loop too fresh.
     TooEarly {
@@ -38,7 +38,7 @@ pub enum NoLoop {
     Alone {
         /// The best score of a keyframe that could be here.
         best_score: f64,
-        /// What neighbouring keyframes have at least.
+        /// What neighboring keyframes have at least.
         min_score: f64,
     },
     /// The place did not look alike for long enough.

@@ -8,7 +8,7 @@ use crate::params::CameraParams;
 
 /// Positions of the keyframes of one sub-map, and how far each can have drifted against the current one.
 pub(super) struct PositionPrior {
-    /// Sorted by id: keyframes of the current one's sub-map with centre and the length of the path up to them.
+    /// Sorted by id: keyframes of the current one's sub-map with center and the length of the path up to them.
     along: Vec<(KeyframeId, Vec3, f64)>,
     current: Option<(Vec3, f64)>,
     max_drift: f64,

@@ -14,7 +14,7 @@ use crate::world::World;
 /// Error squared that RANSAC accepts, in variances (2 degrees of freedom, 99 %).
 const CHI2: f64 = 9.21;
 /// Keyframes around the candidate whose points are looked for.
-const NEIGHBOURS: usize = 15;
+const NEIGHBORS: usize = 15;
 /// Windows of the guided searches, one after the other.
 const WINDOWS: [Window; 2] =
     [Window { radius_px: 10.0, max_distance: 60 }, Window { radius_px: 5.0, max_distance: 75 }];
@@ -60,7 +60,7 @@ pub(super) fn verify(
         cam_from_world: rigid * there.cam_from_world,
         scale: here_from_there.scale,
         matches: Vec::new(),
-        earlier_points: points_around(map, candidate, NEIGHBOURS),
+        earlier_points: points_around(map, candidate, NEIGHBORS),
     };
     guided_refinement(&mut verified, here, map, params)?;
     if params.camera.sensor.is_scale_free() {

@@ -6,13 +6,13 @@ use super::Mapper;
 use crate::loops::LoopCorrection;
 
 /// Keyframes around the new side into which the earlier visit's points are projected.
-const NEIGHBOURS: usize = 10;
+const NEIGHBORS: usize = 10;
 
 impl Mapper {
     pub(super) fn apply_loop(&mut self, found: &LoopCorrection) -> Result<(), MapError> {
         // The new side as it is before both sides share points.
         let around =
-            self.world.map.keyframe(found.keyframe).map_or(&[][..], |kf| kf.best_covisible(NEIGHBOURS));
+            self.world.map.keyframe(found.keyframe).map_or(&[][..], |kf| kf.best_covisible(NEIGHBORS));
         let targets: Vec<KeyframeId> =
             std::iter::once(found.keyframe).chain(around.iter().map(|&(id, _)| id)).collect();
         self.world.map.apply_correction(&found.correction)?;

@@ -1,4 +1,4 @@
-//! Fusion of duplicates: points projected into neighbouring keyframes, and the neighbours' points into this one.
+//! Fusion of duplicates: points projected into neighboring keyframes, and the neighbors' points into this one.
 
 use features::WindowMatch;
 use map::{Keyframe, KeyframeId, Map, MapPoint, Observation, PointId};
@@ -14,7 +14,7 @@ const RADIUS_PX: f32 = 3.0;
 const MAX_DISTANCE: u32 = 50;
 
 impl Mapper {
-    /// Fuses with neighbours of first and second order; returns merges and new observations.
+    /// Fuses with neighbors of first and second order; returns merges and new observations.
     pub(super) fn fuse(&mut self, keyframe: KeyframeId) -> usize {
         let targets = self.fusion_targets(keyframe);
         let own = self.world.map.keyframe(keyframe).map_or(&[][..], |kf| kf.points());

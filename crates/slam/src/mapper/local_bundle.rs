@@ -9,7 +9,7 @@ use crate::problem::MapProblem;
 use crate::search::points_of;
 
 impl Mapper {
-    /// Optimises around `keyframe`: robustly, then without the outliers; outlier observations are unlinked.
+    /// Optimizes around `keyframe`: robustly, then without the outliers; outlier observations are unlinked.
     pub(super) fn adjust(&mut self, keyframe: KeyframeId) -> MappingReport {
         if self.world.map.n_keyframes() < 2 {
             return MappingReport::default();

@@ -30,7 +30,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Direction of a feature's ray in the world, not normalised.
+    /// Direction of a feature's ray in the world, not normalized.
     fn ray(&self, feature: usize) -> Vec3 {
         self.world_from_cam.rotation * self.frame.rig.stereo.camera.unproject(&self.frame.pixel(feature))
     }

@@ -15,7 +15,7 @@ const MONO_SIGMA_PX: f64 = 1.0;
 pub struct CameraParams {
     /// Which images a frame has. With one camera maps start from two views, and their unit of length is free.
     pub sensor: Sensor,
-    /// Features nearer than this depth count as close, metres.
+    /// Features nearer than this depth count as close, meters.
     pub close_depth_m: f64,
     /// Standard deviation of a feature's position at octave 0, pixels; errors are judged in units of it.
     pub feature_sigma_px: f64,
@@ -31,13 +31,13 @@ pub struct CameraParams {
     pub keyframe_ratio: f64,
     /// [`MappingParams::neighbours`](super::MappingParams) where that is absent.
     pub neighbours: usize,
-    /// Length of a metre in the map: 1 where lengths are metres.
+    /// Length of a meter in the map: 1 where lengths are meters.
     pub unit: f64,
-    /// Drift that is expected, metres per metre of path (standard deviation).
+    /// Drift that is expected, meters per meter of path (standard deviation).
     pub drift_sigma: f64,
-    /// Drift that is believed at all when places are looked for, metres per metre of path.
+    /// Drift that is believed at all when places are looked for, meters per meter of path.
     pub max_drift: f64,
-    /// Added to it: how far two views of one place can be apart, metres.
+    /// Added to it: how far two views of one place can be apart, meters.
     pub prior_margin_m: f64,
 }
 
@@ -83,7 +83,7 @@ impl CameraParams {
             motion_radius_px: 15.0,
             keyframe_ratio: 0.9,
             neighbours: 20,
-            // The unit is the first scene's median depth, of the order of ten metres.
+            // The unit is the first scene's median depth, of the order of ten meters.
             unit: 0.1,
             drift_sigma: 0.1,
             max_drift: f64::INFINITY,

@@ -11,7 +11,7 @@ pub struct LoopParams {
     pub enabled: bool,
     /// Keyframes that must have come since the start and since the last loop.
     pub min_gap: usize,
-    /// Shared points from which a neighbour certainly sees the same place.
+    /// Shared points from which a neighbor certainly sees the same place.
     pub min_covisible_weight: u32,
     /// Keyframes in a row, before the present one, from which the place must have looked alike.
     pub consistency: usize,

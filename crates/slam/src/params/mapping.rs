@@ -17,9 +17,9 @@ pub struct MappingParams {
     pub keyframe_cull_ratio: f64,
     /// Young points found in less than this share of the frames that should see them are dropped.
     pub point_found_ratio: f64,
-    /// Second-order neighbours of each neighbour in fusion.
+    /// Second-order neighbors of each neighbor in fusion.
     pub second_neighbours: usize,
-    /// Shared points from which two keyframes are optimised together.
+    /// Shared points from which two keyframes are optimized together.
     pub min_covisible_weight: u32,
     /// Keyframes that the local bundle adjustment moves at most.
     pub max_local_keyframes: usize,

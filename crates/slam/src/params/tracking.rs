@@ -17,7 +17,7 @@ pub struct TrackingParams {
     pub close_tracked_min: usize,
     /// More untracked close features than this can be turned into points.
     pub close_untracked_max: usize,
-    /// Matches that the motion model needs before it optimises.
+    /// Matches that the motion model needs before it optimizes.
     pub min_motion_matches: usize,
     /// Descriptor matches that the reference keyframe needs.
     pub min_reference_matches: usize,

@@ -10,7 +10,7 @@ use settings::{Entry, Section, flag};
 pub struct Weights {
     /// In samples and scores of RANSAC.
     pub ransac: bool,
-    /// In optimisation, as a factor on the information of an observation.
+    /// In optimization, as a factor on the information of an observation.
     pub optimisation: bool,
     /// In bags of words.
     pub words: bool,

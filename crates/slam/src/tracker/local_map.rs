@@ -49,7 +49,7 @@ pub(crate) struct LocallyTracked {
 }
 
 impl LocalMap {
-    /// Every match votes for the keyframes that see its point; voters and some of their neighbours give the points.
+    /// Every match votes for the keyframes that see its point; voters and some of their neighbors give the points.
     pub(crate) fn gather(
         map: &Map,
         matches: &[(u32, PointId)],
@@ -71,11 +71,11 @@ impl LocalMap {
         voters.sort_by_key(|&(id, count)| (std::cmp::Reverse(count), id));
         let mut keyframes: Vec<KeyframeId> = voters.iter().map(|&(id, _)| id).collect();
         keyframes.truncate(params.max_local_keyframes);
-        extend_with_neighbours(map, &mut keyframes, params.max_local_keyframes);
+        extend_with_neighbors(map, &mut keyframes, params.max_local_keyframes);
         LocalMap { reference, points: points_of(map, keyframes) }
     }
 
-    /// Searches the points that the frame does not have yet and optimises the pose with all matches.
+    /// Searches the points that the frame does not have yet and optimizes the pose with all matches.
     pub(crate) fn track(
         &self,
         frame: &Frame,
@@ -100,7 +100,7 @@ impl LocalMap {
             matches: found.matches.len(),
             inliers: refined.inliers.len(),
             without_motion_model: predicted.attempt != Attempt::Motion,
-            relocalised: predicted.attempt == Attempt::Relocalization,
+            relocalized: predicted.attempt == Attempt::Relocalization,
         };
         let reference_from_world =
             map.keyframe(self.reference).map_or(SE3::identity(), |kf| kf.cam_from_world);
@@ -115,7 +115,7 @@ impl LocalMap {
         }
     }
 
-    /// Adds matches in windows of `factor` times the usual size and optimises the pose with all.
+    /// Adds matches in windows of `factor` times the usual size and optimizes the pose with all.
     fn search_and_refine(
         &self,
         frame: &Frame,
@@ -145,7 +145,7 @@ fn is_clear(find: &WindowMatch) -> bool {
 }
 
 /// For each voter the first unused among its best covisible keyframes, one child, and its parent.
-fn extend_with_neighbours(map: &Map, keyframes: &mut Vec<KeyframeId>, max: usize) {
+fn extend_with_neighbors(map: &Map, keyframes: &mut Vec<KeyframeId>, max: usize) {
     let mut used = keyframes.clone();
     used.sort_unstable();
     let voters = keyframes.clone();

@@ -44,20 +44,20 @@ pub enum TrackState {
 /// Counts of one tracked frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TrackStats {
-    /// Matches that the prediction was optimised with.
+    /// Matches that the prediction was optimized with.
     pub predicted: usize,
     /// Points of the local map.
     pub local_points: usize,
     /// Points of the local map that should be visible.
     pub visible: usize,
-    /// Matches before the last optimisation.
+    /// Matches before the last optimization.
     pub matches: usize,
     /// Inlier matches after it.
     pub inliers: usize,
     /// Whether the motion model failed and the reference keyframe or recovery gave the prediction.
     pub without_motion_model: bool,
     /// Whether the place index gave the prediction.
-    pub relocalised: bool,
+    pub relocalized: bool,
 }
 
 /// Where a new keyframe belongs.
@@ -124,7 +124,7 @@ pub struct Tracker {
 }
 
 impl Tracker {
-    /// A tracker that has seen nothing. In a world that has keyframes already it begins by relocalisation.
+    /// A tracker that has seen nothing. In a world that has keyframes already it begins by relocalization.
     pub fn new(params: Params) -> Self {
         Tracker {
             params,
@@ -176,7 +176,7 @@ impl Tracker {
     ) -> Tracked {
         self.lost_frames = 0;
         self.initializer = None;
-        self.velocity = last.filter(|_| !local.stats.relocalised).map(|last| {
+        self.velocity = last.filter(|_| !local.stats.relocalized).map(|last| {
             let seconds = last.seconds_to(frame);
             MotionModel::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
         });

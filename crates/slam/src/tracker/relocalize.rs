@@ -19,7 +19,7 @@ const MAX_CANDIDATES: usize = 8;
 /// Inliers that make a relocalization certain.
 const MIN_INLIERS: usize = 50;
 /// Keyframes around a candidate whose points are looked for.
-const NEIGHBOURS: usize = 5;
+const NEIGHBORS: usize = 5;
 /// Windows of the guided searches, one after the other, until there are enough inliers.
 const WINDOWS: [Window; 2] =
     [Window { radius_px: 10.0, max_distance: 100 }, Window { radius_px: 3.0, max_distance: 64 }];
@@ -59,7 +59,7 @@ fn from_keyframe(
     let few = |found| Lost::TooFewPredictedInliers { found, needed: MIN_INLIERS };
     let initial = pose_by_ransac(frame, map, &matches, params.weights, seed).ok_or(few(0))?;
     let mut pose = refine(frame, map, initial, &matches, params.noise());
-    let points = points_around(map, keyframe.id, NEIGHBOURS);
+    let points = points_around(map, keyframe.id, NEIGHBORS);
     for window in WINDOWS {
         let found = pose.inliers.len();
         if found < params.tracking.min_predicted_inliers {

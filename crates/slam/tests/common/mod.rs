@@ -37,7 +37,7 @@ impl World {
         World::with_density(length_m, noise_px, 60.0)
     }
 
-    /// A corridor with this many landmarks per metre.
+    /// A corridor with this many landmarks per meter.
     pub(crate) fn with_density(length_m: f64, noise_px: f64, per_m: f64) -> Self {
         let camera = Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 };
         let stereo = StereoRig { camera, baseline_m: 0.5372 };
@@ -69,7 +69,7 @@ impl World {
         }
     }
 
-    /// Walls 6 to 9 m inside and outside of a ring road through the origin, its centre at `x = radius_m`.
+    /// Walls 6 to 9 m inside and outside of a ring road through the origin, its center at `x = radius_m`.
     pub(crate) fn ring(radius_m: f64, noise_px: f64, per_m: f64) -> Self {
         let mut world = World::with_density(2.0 * std::f64::consts::PI * radius_m, noise_px, per_m);
         for landmark in &mut world.landmarks {

@@ -13,7 +13,7 @@ use crate::{KeyframeDatabase, Mapper, Params, World};
 
 /// Focal length, pixels.
 pub(crate) const FOCAL_PX: f64 = 500.0;
-/// Distance of the two cameras of the rig, metres.
+/// Distance of the two cameras of the rig, meters.
 pub(crate) const BASELINE_M: f64 = 0.5;
 /// Octave of every feature that is not asked for otherwise.
 pub(crate) const OCTAVE: u8 = 2;
@@ -194,7 +194,7 @@ pub(crate) fn described(map: Map) -> World {
     World::from_map(map, Some(Arc::new(Vocabulary::built_in().expect("it is part of the program"))))
 }
 
-/// Distance in pose: metres and radians together.
+/// Distance in pose: meters and radians together.
 pub(crate) fn gap(a: &SE3, b: &SE3) -> f64 {
     (*a * b.inverse()).log().norm()
 }

@@ -26,7 +26,7 @@ fn a_candidate_shares_more_than_four_fifths_of_the_most_words() {
 
 #[test]
 fn groups_are_scored_as_a_whole_and_shown_by_their_best_member() {
-    // 2 and 3 are neighbours: together 0.9, so that a lone keyframe needs more than 0.675.
+    // 2 and 3 are neighbors: together 0.9, so that a lone keyframe needs more than 0.675.
     assert_eq!(strongest(&[(2, 9, 0.4), (3, 9, 0.5), (8, 9, 0.67)], 0.0), vec![3]);
     assert_eq!(strongest(&[(2, 9, 0.4), (3, 9, 0.5), (8, 9, 0.68)], 0.0), vec![3, 8]);
     assert_eq!(strongest(&[(2, 9, 0.4), (3, 9, 0.5), (8, 9, 0.95)], 0.0), vec![8, 3], "the best group first");
@@ -46,7 +46,7 @@ fn removed_keyframes_are_no_candidates() {
     assert_eq!(strongest_groups(&map, &alike(&[(6, 9, 0.9)]), 0.0), Vec::<KeyframeId>::new());
 }
 
-/// Candidates of the last of twelve keyframes that all look the same, a metre apart, with a margin of the prior.
+/// Candidates of the last of twelve keyframes that all look the same, a meter apart, with a margin of the prior.
 fn found(prior_margin_m: f64) -> Vec<u32> {
     let world = described(chain(&line(12, 1.0), 16));
     let mut params = params();

@@ -25,7 +25,7 @@ fn the_fourth_time_in_a_row_is_accepted() {
 }
 
 #[test]
-fn a_neighbour_continues_the_row() {
+fn a_neighbor_continues_the_row() {
     // The groups of 5 and 7 share keyframe 6; those of 5 and 8 share none.
     assert_eq!(advance(&[&[5], &[7], &[7]]).0, vec![0, 1, 2]);
     assert_eq!(advance(&[&[5], &[8], &[8]]).0, vec![0, 0, 1]);

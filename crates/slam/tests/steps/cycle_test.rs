@@ -12,10 +12,10 @@ fn uncertainty_grows_with_length_angle_and_the_number_of_edges() {
     let camera = CameraParams { drift_sigma: 0.02, unit: 1.0, ..params().camera };
     let edge = odometry(4, 5, motion, 2.0, &camera);
     assert_eq!((edge.a, edge.b, edge.kind), (4, 5, CycleEdgeKind::Odometry));
-    // 1 cm and 2 % of 3 m, twice; 1 mrad, 0.05 mrad per metre and 5 mrad per radian, twice.
+    // 1 cm and 2 % of 3 m, twice; 1 mrad, 0.05 mrad per meter and 5 mrad per radian, twice.
     assert!((edge.sigma_m - (0.01 + 2.0 * 0.06)).abs() < 1e-12);
     assert!((edge.sigma_rad - (1e-3 + 2.0 * (1.5e-4 + 1e-3))).abs() < 1e-12);
-    // Where a metre has the length 0.1, the same motion is ten times as long in metres.
+    // Where a meter has the length 0.1, the same motion is ten times as long in meters.
     let edge = odometry(4, 5, motion, 2.0, &CameraParams { unit: 0.1, ..camera });
     assert!((edge.sigma_m - (0.001 + 2.0 * 0.06)).abs() < 1e-12);
     assert!((edge.sigma_rad - (1e-3 + 2.0 * (1.5e-3 + 1e-3))).abs() < 1e-12);

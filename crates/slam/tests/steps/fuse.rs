@@ -119,8 +119,8 @@ fn a_point_of_the_same_keyframe_is_not_fused_with_another_of_it() {
 }
 
 #[test]
-fn neighbours_of_first_and_second_order_are_looked_at_once() {
-    // A chain in which neighbouring keyframes share points, numbered by landmark.
+fn neighbors_of_first_and_second_order_are_looked_at_once() {
+    // A chain in which neighboring keyframes share points, numbered by landmark.
     let scene = Scene::wall(20);
     let mut map = Map::new();
     for k in 0..5_usize {

@@ -22,9 +22,9 @@ fn the_keyframe_with_most_votes_is_the_reference_of_equals_the_older() {
     assert_eq!(gathered(&map, &[16, 17, 24], 1).points, (16..32).map(PointId).collect::<Vec<_>>());
 }
 
-fn neighbours(map: &Map, voters: &[u32], max: usize) -> Vec<u32> {
+fn neighbors(map: &Map, voters: &[u32], max: usize) -> Vec<u32> {
     let mut keyframes: Vec<KeyframeId> = voters.iter().map(|&id| KeyframeId(id)).collect();
-    extend_with_neighbours(map, &mut keyframes, max);
+    extend_with_neighbors(map, &mut keyframes, max);
     keyframes.iter().map(|id| id.0).collect()
 }
 
@@ -38,11 +38,11 @@ fn each_voter_adds_one_covisible_one_child_and_its_parent() {
         add_under(&mut map, Scene::wall(4).whole(9, &pose), &pose, &[], &[], under);
     }
     // Covisible 1 (of equals the older), child 3, the parent is 1 already.
-    assert_eq!(neighbours(&map, &[2], 80), vec![2, 1, 3]);
+    assert_eq!(neighbors(&map, &[2], 80), vec![2, 1, 3]);
     // For 2: 1 by covisibility, child 6 since 3 is there; for 3: 4 by covisibility.
-    assert_eq!(neighbours(&map, &[2, 3], 80), vec![2, 3, 1, 6, 4]);
-    assert_eq!(neighbours(&map, &[7], 80), vec![7, 2], "its parent");
-    assert_eq!(neighbours(&map, &[2, 5], 2), vec![2, 5], "no more than wanted");
+    assert_eq!(neighbors(&map, &[2, 3], 80), vec![2, 3, 1, 6, 4]);
+    assert_eq!(neighbors(&map, &[7], 80), vec![7, 2], "its parent");
+    assert_eq!(neighbors(&map, &[2, 5], 2), vec![2, 5], "no more than wanted");
 }
 
 #[test]

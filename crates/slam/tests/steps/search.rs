@@ -73,7 +73,7 @@ fn given_matches_stay_and_their_features_and_points_are_not_searched() {
 }
 
 #[test]
-fn the_judgement_may_depend_on_the_key() {
+fn the_judgment_may_depend_on_the_key() {
     let scene = Scene::wall(4);
     let frame = scene.whole(0, &SE3::identity());
     let asked = (0..4).map(|i| {

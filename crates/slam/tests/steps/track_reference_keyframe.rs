@@ -68,8 +68,8 @@ fn ten_inliers_are_needed() {
 }
 
 #[test]
-fn the_reference_its_best_neighbours_and_the_newest_are_tried() {
-    // Neighbours in the chain are covisible; keyframe 6 hangs under the first and shares nothing.
+fn the_reference_its_best_neighbors_and_the_newest_are_tried() {
+    // Neighbors in the chain are covisible; keyframe 6 hangs under the first and shares nothing.
     let mut map = chain(&line(6, 1.0), 8);
     let pose = at(9.0, 0.0, 0.0);
     let under = map::Parent::Under(KeyframeId(0));

@@ -26,10 +26,10 @@ fn a_known_map_is_entered_by_relocalization_which_tells_no_velocity() {
     let mut tracker = Tracker::new(params());
     let first = track(&mut tracker, &some(&scene, 2, 0.1, 120), &world);
     assert_eq!(first.state, TrackState::Tracked);
-    assert!(first.stats.relocalised && first.stats.without_motion_model && tracker.velocity.is_none());
+    assert!(first.stats.relocalized && first.stats.without_motion_model && tracker.velocity.is_none());
     // The next frame has no motion model yet; from the third on it leads.
     let second = track(&mut tracker, &some(&scene, 3, 0.2, 120), &world);
-    assert!(!second.stats.relocalised && second.stats.without_motion_model && tracker.velocity.is_some());
+    assert!(!second.stats.relocalized && second.stats.without_motion_model && tracker.velocity.is_some());
     let third = track(&mut tracker, &some(&scene, 4, 0.3, 120), &world);
     assert!(!third.stats.without_motion_model);
     let pose = third.pose.unwrap().cam_from_world(&world.map).unwrap();
@@ -58,7 +58,7 @@ fn a_velocity_from_before_a_relocalization_is_forgotten() {
     }
     assert!(tracker.velocity.is_some());
     let away = track(&mut tracker, &view(5, 0.3, 0..100), &world);
-    assert!(away.stats.relocalised && tracker.velocity.is_none(), "{:?}", away.state);
+    assert!(away.stats.relocalized && tracker.velocity.is_none(), "{:?}", away.state);
 }
 
 #[test]
