@@ -6,23 +6,11 @@ use geometry::{SE3, Sim3};
 use crate::alignment::{Alignment, apply_alignment, estimate_alignment};
 use crate::statistics::Statistics;
 
-/// Absolute trajectory error in metres.
+/// Absolute trajectory error.
 #[derive(Clone, Debug)]
 pub struct AteReport {
-    /// Root mean square over all matched poses, metres: the figure that papers call ATE.
-    pub rmse: f64,
-    /// Mean, metres.
-    pub mean: f64,
-    /// Median, metres.
-    pub median: f64,
-    /// Standard deviation of the population, metres.
-    pub std: f64,
-    /// Smallest error, metres.
-    pub min: f64,
-    /// Largest error, metres.
-    pub max: f64,
-    /// Number of poses compared.
-    pub n: usize,
+    /// Distances, metres; their root mean square is what papers call ATE.
+    pub error_m: Statistics,
     /// What was aligned first.
     pub alignment: Alignment,
     /// The alignment found: ground-truth world from estimate's world.
@@ -32,12 +20,6 @@ pub struct AteReport {
 }
 
 impl AteReport {
-    /// The summary numbers, metres.
-    pub fn statistics(&self) -> Statistics {
-        let &AteReport { rmse, mean, median, std, min, max, n, .. } = self;
-        Statistics { rmse, mean, median, std, min, max, n }
-    }
-
     /// The poses `est` in the ground truth's world frame.
     pub fn aligned(&self, est: &[SE3]) -> Vec<SE3> {
         apply_alignment(&self.gt_from_est, est)
@@ -53,17 +35,6 @@ pub fn ate(est: &[SE3], gt: &[SE3], alignment: Alignment) -> Result<AteReport> {
     let aligned = apply_alignment(&gt_from_est, est);
     let errors: Vec<f64> =
         aligned.iter().zip(gt).map(|(e, g)| (e.translation - g.translation).norm()).collect();
-    let s = Statistics::of(&errors).ok_or_else(|| anyhow!("no poses to compare"))?;
-    Ok(AteReport {
-        rmse: s.rmse,
-        mean: s.mean,
-        median: s.median,
-        std: s.std,
-        min: s.min,
-        max: s.max,
-        n: s.n,
-        alignment,
-        gt_from_est,
-        errors,
-    })
+    let error_m = Statistics::of(&errors).ok_or_else(|| anyhow!("no poses to compare"))?;
+    Ok(AteReport { error_m, alignment, gt_from_est, errors })
 }

@@ -104,12 +104,21 @@ impl Estimate {
     }
 }
 
+/// Whose poses a trajectory holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Subject {
+    /// The left camera.
+    LeftCamera,
+    /// The body that the ground truth describes.
+    Body,
+}
+
 /// Figures of one estimate; `None` where one is not defined (no segment long enough, too few poses).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
-    /// Whose poses were compared, where a run knows it: `left camera` or `body`.
-    #[serde(default)]
-    pub compared: Option<String>,
+    /// Whose poses were compared; `None` for files, which do not tell.
+    pub compared: Option<Subject>,
     /// What was aligned.
     pub alignment: Alignment,
     /// How poses were matched.
@@ -228,7 +237,7 @@ impl Evaluation {
             n_gt: truth.poses.len(),
             scale: absolute.gt_from_est.scale,
             gt_from_est: rows(&absolute.gt_from_est),
-            ate_m: absolute.statistics(),
+            ate_m: absolute.error_m,
             t_rel_percent: drift.t_rel_percent,
             r_rel_deg_per_100m: drift.r_rel_deg_per_100m,
             t_rms_percent: drift.rms,
@@ -254,6 +263,11 @@ impl Evaluation {
     /// [`Evaluation::end_error_m`] in percent of the path; `None` for a camera that stood still.
     pub fn end_error_percent(&self) -> Option<f64> {
         (self.path_m > 0.0).then(|| 100.0 * self.end_error_m / self.path_m)
+    }
+
+    /// Whether poses of the body were compared, not those of the left camera.
+    pub(crate) fn compares_bodies(&self) -> bool {
+        self.compared == Some(Subject::Body)
     }
 
     /// A position of the estimate in the ground truth's world, metres.

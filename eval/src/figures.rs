@@ -9,7 +9,7 @@ use crate::plot::{
     BarFigure, Canvas, DriftAxis, DriftFigure, ErrorFigure, Figure, PrecisionRecallFigure, TrajectoryFigure,
     View,
 };
-use crate::suite::{Results, RunResult, run_paths};
+use crate::suite::{Results, RunPaths, RunResult};
 use crate::table::{Row, metric_table};
 
 /// A figure of any kind.
@@ -178,9 +178,7 @@ fn precision_recalls(results: &Results) -> Result<Vec<NamedFigure>> {
 
 /// Top view, side view and error of one run.
 fn run_figures(results: &Results, run: &RunResult) -> Result<Vec<NamedFigure>> {
-    let Some(sequence) = results.plan.sequence(&run.id.sequence) else { return Ok(Vec::new()) };
-    let summary = run.summary.clone().unwrap_or_default();
-    let paths = run_paths(&run.folder, sequence, &summary)?;
+    let paths = RunPaths::of(run)?;
     let run_name = format!("{}_{}", run.id.sequence, run.id.configuration);
     let title = format!("{} {}, {}", results.plan.name, run.id.sequence, run.id.configuration);
     let mut figures = Vec::new();

@@ -30,7 +30,7 @@ pub use coverage::{Coverage, fill_lost};
 pub use drift::{
     Drift, DriftBin, DriftOfSequences, KITTI_LENGTHS_M, Segment, kitti_drift, kitti_drift_sparse, pool_drift,
 };
-pub use evaluation::{Estimate, Evaluation, EvaluationOptions, LostFrames, Matched};
+pub use evaluation::{Estimate, Evaluation, EvaluationOptions, LostFrames, Matched, Subject};
 pub use loops::{LoopScore, LoopTruth, SamePlace, score_loops};
 pub use precision_recall::{Detection, PrecisionRecall, PrecisionRecallCurve, precision_recall};
 pub use rpe::{DeltaUnit, PairMode, RpeOptions, RpeReport, rpe};

@@ -1,5 +1,5 @@
 //! Relative pose error: how well the motion between two frames is known, a fixed delta apart
-//! (Sturm et al., IROS 2012, section IV-A).
+//! (Sturm et al., IROS 2012).
 
 use anyhow::{Result, anyhow, ensure};
 use geometry::SE3;

@@ -91,7 +91,7 @@ fn positions_that_determine_no_alignment() {
         ate(&still[..2], &still[..2], Alignment::Sim3).unwrap_err().to_string(),
         "alignment Sim3 needs at least 3 matched poses, found 2"
     );
-    assert_eq!(ate(&still, &still, Alignment::None).unwrap().rmse, 0.0);
+    assert_eq!(ate(&still, &still, Alignment::None).unwrap().error_m.rmse, 0.0);
 }
 
 /// No error but figures without a value, which the program prints as "not defined".

@@ -45,7 +45,7 @@ fn plain(gt: &Path, est: &Path, lengths: &[f64]) -> Line {
         }
         kitti_drift_sparse(&sparse, &all, lengths).unwrap()
     };
-    line(&drift, ate(&pairs.est, &pairs.gt, Alignment::None).unwrap().rmse)
+    line(&drift, ate(&pairs.est, &pairs.gt, Alignment::None).unwrap().error_m.rmse)
 }
 
 /// As monocular tables do: both trajectories seen from their first common frame, then Sim3, then the drift.
@@ -61,7 +61,7 @@ fn after_sim3(gt: &Path, est: &Path) -> Line {
     for (&i, pose) in pairs.gt_indices.iter().zip(report.aligned(&est)) {
         sparse[i] = Some(pose);
     }
-    line(&kitti_drift_sparse(&sparse, &all, &KITTI_LENGTHS_M).unwrap(), report.rmse)
+    line(&kitti_drift_sparse(&sparse, &all, &KITTI_LENGTHS_M).unwrap(), report.error_m.rmse)
 }
 
 /// With the general inverse: the files' matrices are rounded.

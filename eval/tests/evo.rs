@@ -20,7 +20,7 @@ const TOLERANCE: f64 = 1e-6;
 fn check_ape(expected: &Ape, folder: impl Fn(&str) -> Option<PathBuf>) {
     let (Some(gt), Some(est)) = (folder(expected.gt), folder(expected.est)) else { return };
     let pairs = pairs(&gt, &est);
-    let report = ate(&pairs.est, &pairs.gt, expected.alignment).unwrap();
+    let report = ate(&pairs.est, &pairs.gt, expected.alignment).unwrap().error_m;
     assert_eq!(report.n, expected.n, "{expected:?}");
     let found = [report.rmse, report.mean, report.median, report.std, report.max];
     check(found, [expected.rmse, expected.mean, expected.median, expected.std, expected.max], expected);

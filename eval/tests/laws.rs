@@ -46,14 +46,14 @@ proptest! {
     #[test]
     fn ate_ignores_a_rigid_motion_of_the_estimate((gt, est) in drive(), by in motion(3.0, 100.0)) {
         for alignment in [Alignment::Se3, Alignment::Sim3] {
-            let (a, b) = (ate(&est, &gt, alignment).unwrap(), ate(&moved(&by, &est), &gt, alignment).unwrap());
+            let (a, b) = (ate(&est, &gt, alignment).unwrap().error_m, ate(&moved(&by, &est), &gt, alignment).unwrap().error_m);
             prop_assert!(close(a.rmse, b.rmse) && close(a.max, b.max), "{} and {}", a.rmse, b.rmse);
         }
     }
 
     #[test]
     fn sim3_ate_ignores_scale_and_se3_ate_does_not((gt, est) in drive(), by in 0.05..20.0) {
-        let rmse = |est: &[SE3], alignment| ate(est, &gt, alignment).unwrap().rmse;
+        let rmse = |est: &[SE3], alignment| ate(est, &gt, alignment).unwrap().error_m.rmse;
         prop_assert!(close(rmse(&est, Alignment::Sim3), rmse(&scaled(by, &est), Alignment::Sim3)));
         prop_assert!(rmse(&scaled(2.0, &gt), Alignment::Se3) > 1.0);
         prop_assert!(rmse(&est, Alignment::Sim3) <= rmse(&est, Alignment::Se3) + 1e-9);
@@ -72,7 +72,7 @@ proptest! {
     #[test]
     fn equal_trajectories_have_no_error((gt, _) in drive()) {
         for alignment in [Alignment::None, Alignment::Se3, Alignment::Sim3] {
-            prop_assert!(ate(&gt, &gt, alignment).unwrap().max < 1e-9);
+            prop_assert!(ate(&gt, &gt, alignment).unwrap().error_m.max < 1e-9);
         }
         let drift = kitti_drift(&gt, &gt, &[20.0, 50.0]).unwrap();
         prop_assert!(drift.t_rel_percent.unwrap() < 1e-9);

@@ -16,25 +16,45 @@ use dsslam_eval::suite::{
     Event, Plan, Results, RunOptions, RunRecord, RunState, job_lines, read_plan, run_suite,
 };
 use dsslam_eval::table::{metric_table, runs_csv, runs_table};
+use dsslam_eval::{Estimate, Evaluation, EvaluationOptions};
 
 /// Takes `run SEQUENCE ... --out DIR`; a sequence with a file `fail` makes it fail, with `sleep` makes it slow.
 const PROGRAM: &str = r#"#!/bin/sh
 sequence=$2
+all="$*"
 while [ $# -gt 0 ]; do
   if [ "$1" = --out ]; then out=$2; fi
   if [ "$1" = --set ]; then set_=$2; fi
   shift
 done
 echo "called $set_" >> "$sequence/calls"
+echo "$all" >> "$sequence/arguments"
 [ -f "$sequence/sleep" ] && sleep 20
+[ -f "$sequence/problem" ] && problem="$(cat "$sequence/problem")"
 [ -f "$sequence/fail" ] && { echo "error: no features" >&2; exit 1; }
-cp "$sequence/estimate.txt" "$out/trajectory.kitti.txt"
+cp "$sequence/evaluation.json" "$sequence"/*.tum.txt "$out"
 cat > "$out/summary.json" <<JSON
 {"version": "0", "frames": 300, "lost": 2, "dropped": 0, "keyframes": 9, "points": 99, "loops": 0, "alignment": "SE3",
- "ate_rmse_m": 0.5, "track_ms_median": 3.0, "wall_s": 1.5, "peak_rss_mb": 10.0, "new_key": [1],
+ "ate_rmse_m": 0.5, "track_ms_median": 3.0, "wall_s": 1.5, "peak_rss_mb": 10.0, "new_key": [1], "evaluation_problem": ${problem:-null},
  "without_pose": [{"frame": 0, "state": "not_ready", "reason": "x"}, {"frame": 120, "state": "lost", "reason": "x"}]}
 JSON
 "#;
+
+/// What a run writes that loses frames 0 and 120.
+fn results_of_a_run(folder: &Path) {
+    let times_s: Vec<f64> = (0..300).map(|i| f64::from(i) * 0.1).collect();
+    let read = |name: &str| io::read_trajectory(&fixture(name), None).unwrap().with_frame_times(&times_s);
+    let (mut est, truth) = (read("kitti_est.txt"), read("kitti_gt.txt"));
+    let is_lost = |i: usize| i == 0 || i == 120;
+    let frames = est.poses.iter().enumerate();
+    let estimate =
+        Estimate::new(frames.map(|(i, p)| (p.timestamp_s, (!is_lost(i)).then_some(p.world_from_cam))));
+    let evaluation = Evaluation::of(&estimate, &truth, &EvaluationOptions::default()).unwrap();
+    std::fs::write(folder.join("evaluation.json"), serde_json::to_string(&evaluation).unwrap()).unwrap();
+    est.poses.retain(|pose| ![0.0, times_s[120]].contains(&pose.timestamp_s));
+    io::write_tum(&folder.join("trajectory.tum.txt"), &est).unwrap();
+    io::write_tum(&folder.join("ground_truth.tum.txt"), &truth).unwrap();
+}
 
 struct Site {
     _folder: tempfile::TempDir,
@@ -48,8 +68,7 @@ impl Site {
         let root = folder.path().canonicalize().unwrap();
         for sequence in ["00", "bad"] {
             std::fs::create_dir(root.join(sequence)).unwrap();
-            std::fs::copy(fixture("kitti_gt.txt"), root.join(sequence).join("poses.txt")).unwrap();
-            std::fs::copy(fixture("kitti_est.txt"), root.join(sequence).join("estimate.txt")).unwrap();
+            results_of_a_run(&root.join(sequence));
         }
         std::fs::write(root.join("bad/fail"), "").unwrap();
         let program = root.join("program.sh");
@@ -121,16 +140,39 @@ fn a_failure_does_not_end_the_suite_and_what_has_ended_is_not_run_again() {
 }
 
 #[test]
-fn an_evaluation_that_is_missing_is_made_up_for_without_running_again() {
+fn a_run_of_an_older_version_keeps_its_summary_and_says_so() {
     let site = Site::new();
     let options = RunOptions { only: Some("00/a".to_owned()), ..site.options() };
     site.run(&options);
-    let file = site.root.join("results/00/a/1/evaluation.json");
-    let first = std::fs::read_to_string(&file).unwrap();
-    std::fs::write(&file, "{\"of another version\": 1}").unwrap();
+    let folder = site.root.join("results");
+    let ate =
+        |results: &Results| metric_table(results, &[], Metric::AteRmseM).unwrap().rows[0].cells[0].value;
+    let written = ate(&Results::read(&folder).unwrap()).unwrap();
+    assert!((written - 0.49).abs() < 0.01, "{written}");
+    // Such a file compared the left camera with EuRoC's body.
+    std::fs::write(folder.join("00/a/1/evaluation.json"), "{\"t_rel_percent\": 148.8}").unwrap();
     site.run(&options);
-    assert_eq!(std::fs::read_to_string(&file).unwrap(), first);
-    assert_eq!(site.n_calls("00"), 1);
+    assert_eq!(site.n_calls("00"), 1, "the run itself is as good as before");
+    let results = Results::read(&folder).unwrap();
+    assert_eq!(ate(&results), Some(0.5), "of summary.json");
+    let told = "no evaluation.json of this version, so the figures are those of summary.json";
+    assert_eq!(results.runs[0].problem().as_deref(), Some(told));
+    let (_, problems) = result_figures(&results, &[]);
+    assert_eq!(problems, ["00/a/1: no usable evaluation.json, which says how to align the estimate"]);
+}
+
+#[test]
+fn the_program_is_told_how_to_evaluate() {
+    let site = Site::new();
+    let suite = "name: small\nsequences: [{name: '00', path: '00', ground_truth: 00/ground_truth.tum.txt}]\n\
+                 configurations: [{name: a}]\nlengths_m: [10, 20.5]\n";
+    std::fs::write(site.root.join("suite.yaml"), suite).unwrap();
+    site.run(&site.options());
+    let root = site.root.display();
+    let expected = format!(
+        "run {root}/00 --ground-truth {root}/00/ground_truth.tum.txt --lengths 10,20.5 --out {root}/results/00/a/1\n"
+    );
+    assert_eq!(std::fs::read_to_string(site.root.join("00/arguments")).unwrap(), expected);
 }
 
 #[test]
@@ -169,23 +211,13 @@ fn a_program_that_is_not_there_is_named() {
 }
 
 #[test]
-fn a_trajectory_that_does_not_fit_the_ground_truth_is_said() {
+fn a_run_that_could_not_be_compared_is_said() {
     let site = Site::new();
-    let short: Vec<String> = std::fs::read_to_string(fixture("kitti_gt.txt"))
-        .unwrap()
-        .lines()
-        .take(200)
-        .map(str::to_owned)
-        .collect();
-    std::fs::write(site.root.join("00/poses.txt"), short.join("\n")).unwrap();
+    std::fs::write(site.root.join("00/problem"), "\"no overlap in time\"").unwrap();
     let records = site.run(&RunOptions { only: Some("00/a".to_owned()), ..site.options() });
-    let problem = records[0].evaluation_problem.clone().unwrap();
-    assert!(
-        problem.starts_with("the run has 300 frames, the ground truth ") && problem.ends_with("only 200"),
-        "{problem}"
-    );
+    assert_eq!(records[0].evaluation_problem.as_deref(), Some("no overlap in time"));
     let results = Results::read(&site.root.join("results")).unwrap();
-    assert!(results.runs[0].problem().unwrap().starts_with("cannot be evaluated: the run has 300 frames"));
+    assert_eq!(results.runs[0].problem().as_deref(), Some("cannot be evaluated: no overlap in time"));
 }
 
 #[test]

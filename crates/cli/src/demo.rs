@@ -4,6 +4,7 @@ use std::path::Path;
 
 use dsslam::Config;
 use dsslam::{Session, SessionOptions};
+use eval::KITTI_LENGTHS_M;
 
 use crate::args::DemoArgs;
 use crate::clock::StopWatch;
@@ -34,7 +35,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let sensor = session.input().sequence().sensor;
     console::note(format!("rendering {n_frames} {sensor} frames of {course} and running on them"));
     let (show, json) = (args.show.clone(), args.json);
-    let (extras, notices) = (Extras::default(), Vec::new());
-    let job = Job { session, preset: None, notices, replay: None, folder, extras, show, viewer, json, watch };
+    let (lengths_m, extras, notices) = (KITTI_LENGTHS_M.to_vec(), Extras::default(), Vec::new());
+    let (preset, replay) = (None, None);
+    let job = Job { session, preset, notices, replay, lengths_m, folder, extras, show, viewer, json, watch };
     job::execute(&job, &stop).map(|(_, exit)| exit)
 }

@@ -5,15 +5,16 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
 use dsslam::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
-use dsslam::{Finished, Session};
+use dsslam::{Compared, Error, Finished, Session};
 use eval::plot::{TrajectoryFigure, View, save_png};
+use eval::{Evaluation, Subject};
 use io::Sequence;
 use runtime::{FrameRecord, Journal, Schedule};
+use serde::Serialize;
 
 use crate::args::ShowArgs;
 use crate::clock::StopWatch;
 use crate::console;
-use crate::evaluation::{Compared, Evaluation};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::report;
 use crate::results::ResultsFolder;
@@ -23,6 +24,8 @@ use crate::tables::{frames_csv, loops_csv, timings_csv};
 
 /// True poses of the left camera at the frames, in the frame of the ground truth.
 pub(crate) const TRUTH_FILE: &str = "ground_truth.tum.txt";
+/// True poses of the body at the frames of the run, where the body is not the left camera.
+const TRUTH_OF_BODY_FILE: &str = "ground_truth_body.tum.txt";
 
 /// Everything that a run needs.
 pub(crate) struct Job {
@@ -34,6 +37,8 @@ pub(crate) struct Job {
     pub(crate) notices: Vec<String>,
     /// The run to do again, instead of one by the setup's schedule.
     pub(crate) replay: Option<Journal>,
+    /// Segment lengths of t_rel and r_rel, metres.
+    pub(crate) lengths_m: Vec<f64>,
     /// Where the files go.
     pub(crate) folder: ResultsFolder,
     /// Where else to.
@@ -107,9 +112,8 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
         console::note(console::warning(&remark));
         context.notices.push(remark);
     }
-    let (sensor, truth) = (sequence.sensor, sequence.ground_truth.as_ref());
-    let compared = truth.map(|truth| Compared::new(&outcome.frames, truth, sensor, &sequence.body_from_left));
-    let evaluation = compared.as_ref().map(|compared| compared.evaluate(sensor));
+    let compared = Compared::new(&outcome.frames, sequence);
+    let evaluation = compared.as_ref().map(|compared| compared.evaluate(&job.lengths_m));
     let truth = compared.as_ref().zip(evaluation.as_ref());
     let written = write_results(job, context, &finished, truth).or_output();
     audience.leave(outcome, written.as_ref().ok(), job.folder.path());
@@ -121,6 +125,7 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
     }
     if !summary.is_usable() {
         let reason = summary.without_pose.first().map_or("there was no frame", |frame| &frame.reason);
+        let sensor = sequence.sensor;
         console::note(console::error(format!("no frame has a pose ({sensor}): {reason}")));
     }
     if let Some(failure) = &outcome.failure {
@@ -140,7 +145,7 @@ fn write_results(
     job: &Job,
     context: summary::Context,
     finished: &Finished,
-    truth: Option<(&Compared<'_>, &Result<Evaluation>)>,
+    truth: Option<(&Compared<'_>, &Result<Evaluation, Error>)>,
 ) -> Result<Summary> {
     let (folder, sequence, outcome) = (&job.folder, job.sequence(), &finished.outcome);
     let kitti = folder.file("trajectory.kitti.txt");
@@ -148,8 +153,10 @@ fn write_results(
     io::write_tum(&folder.file("trajectory.tum.txt"), &tracked_poses(&outcome.frames))?;
     if let Some(body) = body_records(&outcome.frames, sequence.sensor, &sequence.body_from_left) {
         io::write_tum(&folder.file("trajectory_body.tum.txt"), &tracked_poses(&body))?;
+    } else {
+        remove(folder, "trajectory_body.tum.txt");
     }
-    write_truth(job)?;
+    write_truth(job, truth.map(|(compared, _)| compared))?;
     let map_sha256 = write_extras(job, finished)?;
     folder.write("frames.csv", frames_csv(&outcome.frames).as_bytes())?;
     folder.write("loops.csv", loops_csv(&outcome.loops).as_bytes())?;
@@ -162,25 +169,36 @@ fn write_results(
     let bytes = std::fs::read(&kitti).with_context(|| format!("{}: cannot be read back", kitti.display()))?;
     let checksums = Checksums { trajectory: dsslam::sha256(&bytes), map: map_sha256 };
     let evaluation = truth.map(|(_, evaluation)| evaluation);
+    match evaluation.and_then(|evaluation| evaluation.as_ref().ok()) {
+        Some(errors) => folder.write("evaluation.json", (json(errors)? + "\n").as_bytes())?,
+        None => remove(folder, "evaluation.json"),
+    }
     let summary = Summary::new(context, outcome, evaluation, checksums, job.watch.seconds());
     folder.write("summary.json", (json(&summary)? + "\n").as_bytes())?;
     folder.link_latest()?;
     Ok(summary)
 }
 
-/// Writes the true poses of the left camera, if there are any; that of an older run in the folder does not stay.
-fn write_truth(job: &Job) -> Result<()> {
-    let (file, truth) = (job.folder.file(TRUTH_FILE), true_poses(job));
-    if truth.poses.is_empty() {
-        // There may be none.
-        let _ = std::fs::remove_file(file);
-        return Ok(());
+/// Writes the true poses of the left camera at all frames, and those of the body at the frames of the run, if there are any.
+fn write_truth(job: &Job, compared: Option<&Compared<'_>>) -> Result<()> {
+    let body = compared.filter(|compared| compared.subject == Subject::Body).map(Compared::truth_at_frames);
+    for (name, truth) in [(TRUTH_FILE, true_poses(job)), (TRUTH_OF_BODY_FILE, body.unwrap_or_default())] {
+        if truth.poses.is_empty() {
+            remove(&job.folder, name);
+        } else {
+            io::write_tum(&job.folder.file(name), &truth)?;
+        }
     }
-    Ok(io::write_tum(&file, &truth)?)
+    Ok(())
 }
 
-fn json(summary: &Summary) -> Result<String> {
-    Ok(serde_json::to_string_pretty(summary)?)
+/// Removes what an older run wrote into the folder and this one does not; there may be nothing.
+fn remove(folder: &ResultsFolder, name: &str) {
+    let _ = std::fs::remove_file(folder.file(name));
+}
+
+fn json(value: &impl Serialize) -> Result<String> {
+    Ok(serde_json::to_string_pretty(value)?)
 }
 
 /// Writes map and journal where that is wanted; returns the checksum of the map's file.
@@ -196,7 +214,7 @@ fn write_extras(job: &Job, finished: &Finished) -> Result<Option<String>> {
 fn figure(
     name: &str,
     records: &[FrameRecord],
-    truth: Option<(&Compared<'_>, &Result<Evaluation>)>,
+    truth: Option<(&Compared<'_>, &Result<Evaluation, Error>)>,
 ) -> TrajectoryFigure {
     let Some((compared, errors)) = truth.and_then(|(c, evaluation)| Some((c, evaluation.as_ref().ok()?)))
     else {
@@ -208,15 +226,12 @@ fn figure(
             view: View::Top,
         };
     };
-    let position = |record: &FrameRecord| {
-        let aligned = errors.ate.aligned(&[own_pose(record)?]);
-        aligned.first().map(|pose| pose.translation)
-    };
+    let position = |record: &FrameRecord| Some(errors.aligned(&own_pose(record)?.translation));
     let last_time = records.last().map_or(f64::INFINITY, |record| record.timestamp_s) + 0.5;
     let driven = compared.truth.poses.iter().filter(|pose| pose.timestamp_s <= last_time);
     TrajectoryFigure {
-        title: format!("{name}: ATE {:.3} m over {:.0} m", errors.ate.rmse, errors.path_m),
-        estimate: compared.records.iter().map(position).collect(),
+        title: format!("{name}: ATE {:.3} m over {:.0} m", errors.ate_m.rmse, errors.path_m),
+        estimate: compared.frames.iter().map(position).collect(),
         ground_truth: driven.map(|pose| pose.world_from_cam.translation).collect(),
         view: View::Top,
     }

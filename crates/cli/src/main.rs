@@ -9,7 +9,6 @@ mod config;
 mod console;
 mod demo;
 mod doctor;
-mod evaluation;
 mod exit;
 mod export;
 mod files;

@@ -78,7 +78,7 @@ fn errors(text: &mut String, s: &Summary) {
             };
             row(text, "t_rel r_rel", &format!("{t:.3} %  {r:.3} deg/100 m{filled}"));
         }
-        _ => row(text, "t_rel r_rel", "not defined: no segment of 100 m"),
+        _ => row(text, "t_rel r_rel", "not defined: no segment is long enough"),
     }
 }
 

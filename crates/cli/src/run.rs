@@ -40,7 +40,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
         ));
     }
     let Chosen { preset, notices, .. } = chosen;
-    let job = Job { session, preset, notices, replay, folder, extras, show, viewer, json, watch };
+    let lengths_m = args.lengths.clone();
+    let job = Job { session, preset, notices, replay, lengths_m, folder, extras, show, viewer, json, watch };
     job::execute(&job, &stop).map(|(_, exit)| exit)
 }
 
@@ -59,6 +60,7 @@ fn options(args: &RunArgs) -> Result<SessionOptions> {
     let mut options = SessionOptions::default();
     options.input.sensor = args.sensor;
     options.input.calibration = args.calib.clone();
+    options.input.ground_truth = args.ground_truth.clone();
     options.input.max_frames = args.max_frames.map(|n| n as usize);
     options.slam.network = args.network.options();
     options.slam.vocabulary = args.vocab.clone();

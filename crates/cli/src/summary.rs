@@ -1,10 +1,11 @@
 //! The numbers of a run as `summary.json` holds them.
 
+use dsslam::Error;
+use eval::Evaluation;
 use runtime::{FrameRecord, RunOutcome, Timings};
 use serde::{Serialize, Serializer};
 
 use crate::clock;
-use crate::evaluation::{Evaluation, alignment_of};
 use crate::tables;
 
 /// Everything that a script may want to know of a run. Keys are never renamed; what is not defined is `null`.
@@ -152,7 +153,7 @@ impl Summary {
     pub(crate) fn new(
         context: Context,
         outcome: &RunOutcome,
-        evaluation: Option<&anyhow::Result<Evaluation>>,
+        evaluation: Option<&Result<Evaluation, Error>>,
         checksums: Checksums,
         wall_s: f64,
     ) -> Self {
@@ -181,17 +182,15 @@ impl Summary {
             global_adjustments: statistics.globals_adopted,
             disparity_offset_px: outcome.disparity_offset_px,
             disparity_offset_sigma_px: outcome.calibration.map(|estimate| estimate.sigma_px),
-            alignment: errors.map(|_| alignment_of(context.sensor).to_string()),
-            ate_rmse_m: errors.map(|e| e.ate.rmse),
-            ate_frames: errors.map(|e| e.ate.n),
-            t_rel_percent: errors.and_then(|e| e.drift.t_rel_percent),
-            r_rel_deg_per_100m: errors.and_then(|e| e.drift.r_rel_deg_per_100m),
+            alignment: errors.map(|e| e.alignment.to_string()),
+            ate_rmse_m: errors.map(|e| e.ate_m.rmse),
+            ate_frames: errors.map(|e| e.ate_m.n),
+            t_rel_percent: errors.and_then(|e| e.t_rel_percent),
+            r_rel_deg_per_100m: errors.and_then(|e| e.r_rel_deg_per_100m),
             t_rel_filled_frames: errors.map(|e| e.coverage.n_lost),
             path_m: errors.map(|e| e.path_m),
             end_error_percent: errors.and_then(Evaluation::end_error_percent),
-            evaluation_problem: evaluation
-                .and_then(|e| e.as_ref().err())
-                .map(|problem| format!("{problem:#}")),
+            evaluation_problem: evaluation.and_then(|e| e.as_ref().err()).map(ToString::to_string),
             stages: stage_times(&outcome.timings),
             track_ms_median: outcome.timings.summary("track").map(|track| track.median),
             wall_s,

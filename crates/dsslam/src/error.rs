@@ -131,6 +131,15 @@ pub enum Error {
         /// What is wrong.
         problem: FrameProblem,
     },
+    /// Ground truth is named for something whose frames are not files.
+    #[error("{}: ground truth can be given for folders of images only", path.display())]
+    GroundTruth {
+        /// The video or camera.
+        path: PathBuf,
+    },
+    /// A run cannot be compared with its ground truth.
+    #[error("{0}")]
+    Evaluation(String),
     /// The run cannot begin.
     #[error(transparent)]
     Run(#[from] RunError),

@@ -56,6 +56,9 @@ impl Input {
         };
         let max_frames = options.max_frames;
         if video::is_video(path) || video::is_camera(path) {
+            if options.ground_truth.is_some() {
+                return Err(Error::GroundTruth { path: path.to_path_buf() });
+            }
             let opened = Opened::new(path, &opening)?;
             let (sequence, size) = (opened.video.sequence.clone(), opened.video.size);
             let intake = Intake::new(path, sequence, Some(size), config)?;

@@ -43,6 +43,7 @@
 mod camera;
 mod config;
 mod error;
+mod evaluation;
 mod finished;
 mod input;
 mod intake;
@@ -64,6 +65,7 @@ pub use ::{geometry, io, map, runtime, synth};
 pub use camera::Camera;
 pub use config::{CameraError, Chosen, Config, SCHEMA, presets};
 pub use error::{Error, FrameProblem};
+pub use evaluation::Compared;
 pub use finished::Finished;
 pub use geometry::{DepthImage, Distortion, GrayImage, Pinhole, SE3, Sensor, StereoRig};
 pub use input::{Input, InputOptions};

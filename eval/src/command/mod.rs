@@ -25,10 +25,10 @@ enum Action {
     Run(suite::RunArgs),
     /// Prints and writes the tables of a suite's results, published baselines beside them.
     #[command(after_help = suite::TABLE_HELP)]
-    Table(suite::TableArgs),
+    Table(suite::ResultsArgs),
     /// Draws a suite's results (PNG, SVG) and writes a report that stands alone in one HTML file.
     #[command(after_help = suite::PLOT_HELP)]
-    Plot(suite::PlotArgs),
+    Plot(suite::ResultsArgs),
     /// Scores detected loops: precision, recall, precision-recall curve.
     #[command(after_help = loops::HELP)]
     Loops(loops::LoopsArgs),

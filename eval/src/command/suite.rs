@@ -69,13 +69,13 @@ pub(super) struct RunArgs {
     jobs_file: Option<PathBuf>,
 }
 
-/// Arguments of `dsslam eval table`.
+/// Arguments of `dsslam eval table` and `dsslam eval plot`.
 #[derive(Debug, Args)]
-pub(super) struct TableArgs {
+pub(super) struct ResultsArgs {
     /// Results folder of `dsslam eval run`.
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
-    /// Where the tables are written; by default RESULTS/tables.
+    /// Output folder; by default RESULTS/tables or RESULTS/plots.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// More baselines: a folder with YAML files.
@@ -83,18 +83,15 @@ pub(super) struct TableArgs {
     baselines: Option<PathBuf>,
 }
 
-/// Arguments of `dsslam eval plot`.
-#[derive(Debug, Args)]
-pub(super) struct PlotArgs {
-    /// Results folder of `dsslam eval run`.
-    #[arg(value_name = "RESULTS")]
-    results: PathBuf,
-    /// Where the plots are written; by default RESULTS/plots.
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// More baselines: a folder with YAML files.
-    #[arg(long, value_name = "DIR")]
-    baselines: Option<PathBuf>,
+impl ResultsArgs {
+    /// What is in the results folder, what stands beside it, and the output folder, which by default has this name.
+    fn open(&self, name: &str) -> Result<(Results, Vec<Baseline>, PathBuf)> {
+        let results = Results::read(&self.results)?;
+        let baselines = read_baselines(self.baselines.as_deref())?;
+        let folder = self.out.clone().unwrap_or_else(|| self.results.join(name));
+        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        Ok((results, baselines, folder))
+    }
 }
 
 pub(super) fn run(args: &RunArgs) -> Result<()> {
@@ -150,10 +147,8 @@ fn ending(record: &RunRecord) -> String {
     }
 }
 
-pub(super) fn table(args: &TableArgs) -> Result<()> {
-    let (results, baselines) = read(&args.results, args.baselines.as_deref())?;
-    let folder = args.out.clone().unwrap_or_else(|| args.results.join("tables"));
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+pub(super) fn table(args: &ResultsArgs) -> Result<()> {
+    let (results, baselines, folder) = args.open("tables")?;
     let metrics = [Metric::TRelPercent, Metric::RRelDegPer100m, Metric::AteRmseM, Metric::Auc];
     let mut tables: Vec<(&str, Table)> = metrics
         .into_iter()
@@ -174,10 +169,8 @@ pub(super) fn table(args: &TableArgs) -> Result<()> {
     Ok(())
 }
 
-pub(super) fn plot(args: &PlotArgs) -> Result<()> {
-    let (results, baselines) = read(&args.results, args.baselines.as_deref())?;
-    let folder = args.out.clone().unwrap_or_else(|| args.results.join("plots"));
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+pub(super) fn plot(args: &ResultsArgs) -> Result<()> {
+    let (results, baselines, folder) = args.open("plots")?;
     let (figures, problems) = result_figures(&results, &baselines);
     for figure in &figures {
         plot::save(&folder, &figure.name, &figure.figure)?;
@@ -190,10 +183,6 @@ pub(super) fn plot(args: &PlotArgs) -> Result<()> {
     write(&report, &html_report(&results, &baselines, &figures, &problems)?)?;
     say(format!("written: {} and {} figures beside it", report.display(), figures.len()))?;
     Ok(())
-}
-
-fn read(results: &Path, extra: Option<&Path>) -> Result<(Results, Vec<Baseline>)> {
-    Ok((Results::read(results)?, read_baselines(extra)?))
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {

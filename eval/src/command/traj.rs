@@ -179,6 +179,8 @@ fn text(e: &Evaluation, args: &TrajArgs) -> String {
             bin.at, bin.t_rel_percent, bin.r_rel_deg_per_100m, bin.n
         ));
     }
+    let percent = e.end_error_percent().map(|p| format!(", {p:.4} % of it")).unwrap_or_default();
+    lines.push(format!("end           {:.6} m off after {:.3} m{percent}", e.end_error_m, e.path_m));
     if let (Some(m), Some(deg)) = (&e.rpe_m, &e.rpe_deg) {
         let unit = if args.rpe_unit == DeltaUnit::Frames { "frames" } else { "m" };
         let pairs = if args.rpe_pairs == PairMode::All { "all pairs" } else { "consecutive pairs" };

@@ -2,13 +2,13 @@
 //!
 //! A run's folder is `RESULTS/<sequence>/<configuration>/<repeat>`; its `run.json` says how it ended.
 
-mod assess;
+mod paths;
 mod plan;
 mod record;
 mod results;
 mod runner;
 
-pub use assess::{RunPaths, assess, run_paths};
+pub use paths::RunPaths;
 pub use plan::{Configuration, Plan, RunId, SequencePlan, read_plan};
 pub use record::{RunRecord, RunState, RunSummary};
 pub use results::{Results, RunResult};

@@ -41,7 +41,7 @@ pub struct SequencePlan {
     pub name: String,
     /// Folder of the images.
     pub path: PathBuf,
-    /// Ground truth; by default what lies in the usual places beside the images.
+    /// Ground truth of the dataset's body (KITTI: camera 0); by default what the program finds beside the images.
     #[serde(default)]
     pub ground_truth: Option<PathBuf>,
     /// Stops after this many frames.
@@ -187,10 +187,8 @@ fn parse(text: &str, folder: &Path, variable: impl Fn(&str) -> Option<String>) -
     for sequence in &mut plan.sequences {
         let place = format!("sequence {}", sequence.name);
         sequence.path = resolve(&sequence.path).with_context(|| place.clone())?;
-        sequence.ground_truth = match &sequence.ground_truth {
-            Some(path) => Some(resolve(path).with_context(|| place)?),
-            None => find_ground_truth(&sequence.path),
-        };
+        let named = sequence.ground_truth.as_deref();
+        sequence.ground_truth = named.map(resolve).transpose().with_context(|| place)?;
     }
     for configuration in &mut plan.configurations {
         if let Some(config) = &configuration.config {
@@ -215,18 +213,6 @@ fn expand(text: &str, variable: &impl Fn(&str) -> Option<String>) -> Result<Stri
     Ok(result + rest)
 }
 
-/// Ground truth in the usual places of KITTI (`poses.txt`, `poses/NN.txt` beside the sequences) and TUM.
-fn find_ground_truth(sequence: &Path) -> Option<PathBuf> {
-    let poses = format!("{}.txt", sequence.file_name()?.to_string_lossy());
-    let candidates = [
-        sequence.join("poses.txt"),
-        sequence.join("groundtruth.txt"),
-        sequence.join("../poses").join(&poses),
-        sequence.join("../../poses").join(&poses),
-    ];
-    candidates.into_iter().find(|path| path.is_file()).and_then(|path| path.canonicalize().ok())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -241,13 +227,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path().canonicalize().unwrap();
         std::fs::create_dir_all(root.join("sequences/00")).unwrap();
-        std::fs::create_dir_all(root.join("poses")).unwrap();
-        std::fs::write(root.join("poses/00.txt"), "").unwrap();
-        let text = "name: a\nsequences:\n  - {name: '00', path: '${ROOT}/sequences/00'}\n\
+        std::fs::write(root.join("truth.txt"), "").unwrap();
+        let text = "name: a\nsequences:\n  - {name: '00', path: '${ROOT}/sequences/00', ground_truth: '${ROOT}/truth.txt'}\n\
                     configurations:\n  - {name: x}\n  - {name: y, set: [a.b=1]}\nrepeats: 2\n";
         let lookup = |name: &str| (name == "ROOT").then(|| root.to_string_lossy().into_owned());
         let plan = parse(text, Path::new("/"), lookup).unwrap();
-        assert_eq!(plan.sequences[0].ground_truth, Some(root.join("poses/00.txt")));
+        assert_eq!(plan.sequences[0].ground_truth, Some(root.join("truth.txt")));
         let runs: Vec<String> = plan.runs().iter().map(RunId::to_string).collect();
         assert_eq!(runs, ["00/x/1", "00/x/2", "00/y/1", "00/y/2"]);
         assert_eq!(plan.lengths_m, KITTI_LENGTHS_M);

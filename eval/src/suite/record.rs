@@ -33,7 +33,7 @@ pub struct RunRecord {
     pub arguments: Vec<String>,
     /// Time by the clock from start to end of the program, seconds.
     pub wall_s: f64,
-    /// Why the trajectory could not be compared with the ground truth, if so.
+    /// Why the program could not compare the trajectory with the ground truth, if so.
     #[serde(default)]
     pub evaluation_problem: Option<String>,
 }
@@ -64,6 +64,8 @@ pub struct RunSummary {
     pub t_rel_percent: Option<f64>,
     /// Drift by the program, degrees per 100 m.
     pub r_rel_deg_per_100m: Option<f64>,
+    /// Why there is no error although there is ground truth.
+    pub evaluation_problem: Option<String>,
     /// Median tracking time, milliseconds.
     pub track_ms_median: Option<f64>,
     /// Time by the clock, seconds.

@@ -32,7 +32,7 @@ pub struct RunResult {
     pub record: Option<RunRecord>,
     /// The program's numbers.
     pub summary: Option<RunSummary>,
-    /// Figures against the ground truth.
+    /// Figures against the ground truth; `None` without ground truth, and for runs of versions that wrote others.
     pub evaluation: Option<Evaluation>,
 }
 
@@ -60,7 +60,15 @@ impl RunResult {
         match &self.record {
             None => Some("has not been run".to_owned()),
             Some(RunRecord { state: RunState::Failed { reason }, .. }) => Some(format!("failed: {reason}")),
-            Some(record) => record.evaluation_problem.as_ref().map(|p| format!("cannot be evaluated: {p}")),
+            Some(RunRecord { evaluation_problem: Some(problem), .. }) => {
+                Some(format!("cannot be evaluated: {problem}"))
+            }
+            Some(_) => {
+                let is_compared = self.summary.as_ref().is_some_and(|summary| summary.ate_rmse_m.is_some());
+                (is_compared && self.evaluation.is_none()).then(|| {
+                    "no evaluation.json of this version, so the figures are those of summary.json".to_owned()
+                })
+            }
         }
     }
 }
@@ -93,7 +101,8 @@ fn read_run(results: &Path, id: RunId) -> Result<RunResult> {
     // Files of a run that has not ended are not to be trusted.
     let is_done = record.as_ref().is_some_and(|r| r.state == RunState::Done);
     let (summary, evaluation) = if is_done {
-        (read_optional(&folder.join("summary.json"))?, read_optional(&folder.join("evaluation.json"))?)
+        // One of an older version is not trusted: it may compare the left camera with the body.
+        (read_optional(&folder.join("summary.json"))?, read_json(&folder.join("evaluation.json")).ok())
     } else {
         (None, None)
     };

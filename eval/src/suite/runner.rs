@@ -13,10 +13,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow};
 
-use super::assess::{assess, options_for};
 use super::plan::{Plan, RunId};
 use super::record::{RunRecord, RunState, RunSummary, read_json, write_json};
-use crate::evaluation::Evaluation;
+use crate::drift::KITTI_LENGTHS_M;
 
 /// How often a running process is looked at when it has a time limit.
 const POLL: Duration = Duration::from_millis(50);
@@ -137,53 +136,27 @@ fn run_once(
         let is_current = record.arguments == arguments;
         let has_ended = record.state == RunState::Done || !options.retry_failed;
         if is_current && has_ended {
-            let record = evaluated_again(plan, record, &folder)?;
             observer(Event::Skipped(&record));
             return Ok(record);
         }
     }
     observer(Event::Started(id));
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    for stale in ["run.json", "summary.json", "evaluation.json", "trajectory.kitti.txt", "trajectory.tum.txt"]
-    {
+    for stale in ["run.json", "summary.json", "evaluation.json"] {
         let _ = std::fs::remove_file(folder.join(stale));
     }
     let start = Instant::now();
     let outcome = execute(&options.program, &arguments, &folder, plan.timeout_s);
     let wall_s = start.elapsed().as_secs_f64();
-    let state = match outcome.and_then(|()| read_json::<RunSummary>(&folder.join("summary.json"))) {
-        Ok(_) => RunState::Done,
-        Err(error) => RunState::Failed { reason: format!("{error:#}") },
+    let summary = outcome.and_then(|()| read_json::<RunSummary>(&folder.join("summary.json")));
+    let (state, evaluation_problem) = match summary {
+        Ok(summary) => (RunState::Done, summary.evaluation_problem),
+        Err(error) => (RunState::Failed { reason: format!("{error:#}") }, None),
     };
-    let mut record = RunRecord { id: id.clone(), state, arguments, wall_s, evaluation_problem: None };
-    if record.state == RunState::Done {
-        record.evaluation_problem =
-            evaluate_run(plan, id, &folder).err().map(|problem| format!("{problem:#}"));
-    }
+    let record = RunRecord { id: id.clone(), state, arguments, wall_s, evaluation_problem };
     write_json(&folder.join("run.json"), &record)?;
     observer(Event::Ended(&record));
     Ok(record)
-}
-
-/// The record of a run that had ended; its evaluation is made up for where it is missing or of another version.
-fn evaluated_again(plan: &Plan, mut record: RunRecord, folder: &Path) -> Result<RunRecord> {
-    let is_there = read_json::<Evaluation>(&folder.join("evaluation.json")).is_ok();
-    if record.state == RunState::Done && !is_there {
-        record.evaluation_problem =
-            evaluate_run(plan, &record.id, folder).err().map(|problem| format!("{problem:#}"));
-        write_json(&folder.join("run.json"), &record)?;
-    }
-    Ok(record)
-}
-
-/// Writes `evaluation.json` where there is ground truth.
-fn evaluate_run(plan: &Plan, id: &RunId, folder: &Path) -> Result<()> {
-    let sequence = plan.sequence(&id.sequence).ok_or_else(|| anyhow!("no sequence {}", id.sequence))?;
-    let summary: RunSummary = read_json(&folder.join("summary.json"))?;
-    if let Some(evaluated) = assess(folder, sequence, &summary, &options_for(&summary, &plan.lengths_m))? {
-        write_json(&folder.join("evaluation.json"), &evaluated)?;
-    }
-    Ok(())
 }
 
 /// Arguments of `dsslam run` for one run.
@@ -194,6 +167,9 @@ fn arguments(plan: &Plan, id: &RunId, folder: &Path) -> Vec<String> {
         list.push(text(&sequence.path));
         if let Some(n) = sequence.max_frames {
             list.extend(["--max-frames".to_owned(), n.to_string()]);
+        }
+        if let Some(file) = &sequence.ground_truth {
+            list.extend(["--ground-truth".to_owned(), text(file)]);
         }
     }
     if let Some(configuration) = plan.configuration(&id.configuration) {
@@ -206,6 +182,10 @@ fn arguments(plan: &Plan, id: &RunId, folder: &Path) -> Vec<String> {
         for set in &configuration.set {
             list.extend(["--set".to_owned(), set.clone()]);
         }
+    }
+    if plan.lengths_m != KITTI_LENGTHS_M {
+        let lengths: Vec<String> = plan.lengths_m.iter().map(f64::to_string).collect();
+        list.extend(["--lengths".to_owned(), lengths.join(",")]);
     }
     list.extend(["--out".to_owned(), text(folder)]);
     list

@@ -33,6 +33,13 @@ pub(crate) struct RunArgs {
     /// Stops after this many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_frames: Option<u32>,
+    /// Ground truth in KITTI's, TUM's or EuRoC's format instead of the sequence's own, of the same body (KITTI: camera 0, EuRoC: the
+    /// IMU).
+    #[arg(long, value_name = "FILE", help_heading = "Evaluation")]
+    pub(crate) ground_truth: Option<PathBuf>,
+    /// Segment lengths of t_rel and r_rel, metres.
+    #[arg(long, value_name = "M,M,...", value_delimiter = ',', default_values_t = eval::KITTI_LENGTHS_M, help_heading = "Evaluation")]
+    pub(crate) lengths: Vec<f64>,
     /// How the stages of the run share time; by default lockstep, of a camera live.
     #[arg(long, value_enum, help_heading = "Schedule")]
     pub(crate) schedule: Option<ScheduleArg>,

@@ -57,12 +57,8 @@ fn truth_of(frames: &[(u32, f64)], body: &Trajectory, body_from_left: &SE3) -> V
         Cow::Owned(of_left_camera(body, body_from_left))
     };
     let nearest = |&(frame, time): &(u32, f64)| {
-        let after = left.poses.partition_point(|pose| pose.timestamp_s < time);
-        let around = left.poses.get(after.saturating_sub(1)..(after + 1).min(left.poses.len()))?;
-        let gap = |t: f64| (t - time).abs();
-        let best = around.iter().min_by(|a, b| gap(a.timestamp_s).total_cmp(&gap(b.timestamp_s)))?;
-        let is_near = gap(best.timestamp_s) <= TIMESTAMP_TOLERANCE_S;
-        is_near.then_some((frame, StampedPose { timestamp_s: time, world_from_cam: best.world_from_cam }))
+        let nearest = left.find_nearest(time, TIMESTAMP_TOLERANCE_S)?;
+        Some((frame, StampedPose { timestamp_s: time, ..*nearest }))
     };
     frames.iter().filter_map(nearest).collect()
 }
