@@ -82,7 +82,7 @@ fn report(name: &str, outcome: &RunOutcome, truth: &Trajectory) -> Result<(), Fa
     let drift = eval::kitti_drift(&ate.aligned(&pairs.est), &pairs.gt, &[50.0, 100.0])?;
     println!(
         "{name:<30} {:.4} m, t_rel over 50 and 100 m {:.3} %, {} of {} frames with a pose, loops {}",
-        ate.rmse,
+        ate.error_m.rmse,
         drift.t_rel_percent.unwrap_or(f64::NAN),
         estimate.poses.len(),
         outcome.frames.len(),
