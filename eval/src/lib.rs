@@ -14,6 +14,7 @@ pub mod drift;
 pub mod evaluation;
 pub mod figures;
 pub mod loops;
+mod places;
 pub mod plot;
 pub mod precision_recall;
 pub mod report;
@@ -32,6 +33,7 @@ pub use drift::{
 };
 pub use evaluation::{Estimate, Evaluation, EvaluationOptions, LostFrames, Matched, Subject};
 pub use loops::{LoopScore, LoopTruth, SamePlace, score_loops};
+pub use places::{Host, Settings};
 pub use precision_recall::{Detection, PrecisionRecall, PrecisionRecallCurve, precision_recall};
 pub use rpe::{DeltaUnit, PairMode, RpeOptions, RpeReport, rpe};
 pub use scale_drift::{ScaleDrift, ScaleWindow, scale_drift};

@@ -88,20 +88,6 @@ Examples:
     )
 }
 
-/// Below `dsslam places --help`.
-pub(crate) fn places() -> String {
-    with_codes(
-        "\
-Examples:
-  dsslam places kitti/sequences/06 --out /tmp/places
-  dsslam places town --selection trad --every 2 --out /tmp/places
-
-Selections: trad (highest response), seman (the same off what may move), ours (highest activation).
-weights.words=false (--set) makes all words count alike; by default they count as far as their features are trusted.
-Files: areas.csv (a row per selection), places.csv (a row per query), curves.csv, precision_recall.png and .svg.",
-    )
-}
-
 /// Below `dsslam eval --help`.
 pub(crate) fn eval() -> String {
     with_codes(

@@ -9,12 +9,12 @@ mod config;
 mod console;
 mod demo;
 mod doctor;
+mod evaluate;
 mod exit;
 mod export;
 mod files;
 mod help;
 mod job;
-mod place_recognition;
 mod progress;
 mod render;
 mod report;
@@ -36,7 +36,7 @@ use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
 
 use args::{Cli, Command, Inspect, ShellCommand};
-use exit::{Exit, Failure, OrExit};
+use exit::{Exit, Failure};
 
 fn main() -> ExitCode {
     let Cli { command, voice } = Cli::try_parse().unwrap_or_else(|error| refused(&error));
@@ -54,8 +54,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::View(args) => show::view(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Synth(args) => render::run(&args),
-        Command::Eval(command) => command.run().or_input().map(|()| Exit::Done),
-        Command::Places(args) => place_recognition::run(&args),
+        Command::Eval(command) => evaluate::run(command),
         Command::Config(args) => config::run(&args.action),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => match args.what {

@@ -2,8 +2,7 @@
 
 use anyhow::{Result, anyhow};
 use dsfeat::Network;
-use features::{ActivationMap, ActivationSource, Features, Keypoint, SelectionConfig};
-use geometry::GrayImage;
+use features::{ActivationMap, Features, Keypoint, SelectionConfig};
 
 use crate::args::NetworkArgs;
 use crate::stage::Picture;
@@ -32,7 +31,7 @@ impl Selected {
         let (mut network, rule) = dsslam::open_network(settings, &args.options())?;
         let map = network.activation(image).map_err(|reason| anyhow!(reason))?;
         let candidates = extractor.extract(image).keypoints;
-        let chosen = extractor.extract_selected(image, &rule, &mut Known(map.clone()));
+        let chosen = extractor.extract_selected(image, &rule, &mut map.clone());
         let (kept, _) = chosen.map_err(|reason| anyhow!(reason))?;
         let dropped = without(&candidates, &kept.keypoints);
         Ok(Self { network, rule, map, kept, dropped })
@@ -42,16 +41,6 @@ impl Selected {
     pub(crate) fn mean_activation(&self, features: &[Keypoint]) -> f64 {
         let sum: f64 = features.iter().map(|k| f64::from(self.map.at(k.x, k.y))).sum();
         sum / (features.len().max(1)) as f64
-    }
-}
-
-/// A map that has been made already.
-#[derive(Debug)]
-pub(crate) struct Known(pub(crate) ActivationMap);
-
-impl ActivationSource for Known {
-    fn activation(&mut self, _: &GrayImage) -> Result<ActivationMap, String> {
-        Ok(self.0.clone())
     }
 }
 

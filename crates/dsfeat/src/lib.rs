@@ -4,17 +4,17 @@
 //! built-in models. Only this crate uses ONNX Runtime, which is loaded when a network is: `library.rs` says where it
 //! is looked for. `training/` beside `src/` trains the models.
 
-mod dense;
 mod error;
 mod heat;
 mod library;
+mod model;
 mod models;
 mod network;
 mod resize;
 
-pub use dense::{DENSE_CHANNELS, DenseDescriptor, DenseFeatures, DenseKeypoint, DenseNetwork};
 pub use error::{Error, INSTALL};
 pub use heat::{Rgb, heat_map};
 pub use library::find_library;
+pub use model::{ImageModel, Output};
 pub use models::Model;
 pub use network::Network;

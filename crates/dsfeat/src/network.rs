@@ -5,35 +5,30 @@ use std::path::Path;
 
 use features::{ActivationMap, ActivationSource};
 use geometry::{GrayImage, Raster};
-use ort::session::Session;
-use ort::session::builder::GraphOptimizationLevel;
-use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
+use ort::value::{Outlet, TensorElementType, ValueType};
 
 use crate::error::Error;
-use crate::library;
-use crate::resize::Resizer;
+use crate::model::ImageModel;
 
 /// Largest side of a network's input.
 const MAX_SIDE: usize = 8192;
 
 /// A loaded model with its buffers. The same image gives the same map, for any number of threads.
 pub struct Network {
-    session: Session,
+    model: ImageModel,
     width: usize,
     height: usize,
-    resizer: Resizer,
-    pixels: Vec<f32>,
 }
 
 impl Network {
     /// Loads an ONNX model: one input of shape 1 x 1 x height x width for a gray image of 0 to 1, one output of shape
-    /// 1 x 1 x rows x columns. `library` is the file of ONNX Runtime, by default the first one found; the first network of
-    /// the process decides. `threads` is the number of threads of a run, at least 1.
+    /// 1 x 1 x rows x columns. `library` and `threads` as for [`ImageModel::load`].
     ///
     /// # Errors
     /// No library that can be used, no model, or one with another input or output.
     pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
-        let session = session(model, library, threads)?;
+        let model = ImageModel::load(model, library, threads)?;
+        let session = model.session();
         let [input] = session.inputs() else {
             return Err(wrong("the number of inputs", session.inputs().len(), "1"));
         };
@@ -42,7 +37,7 @@ impl Network {
         };
         let (width, height) = image_size(input)?;
         check_output(output)?;
-        Ok(Self { session, width, height, resizer: Resizer::default(), pixels: Vec::new() })
+        Ok(Self { model, width, height })
     }
 
     /// Width and height of the network's input, pixels.
@@ -57,20 +52,13 @@ impl Network {
     /// # Errors
     /// An empty image, a failure of ONNX Runtime, or an output that is not a map.
     pub fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, Error> {
-        if image.data.is_empty() {
-            return Err(Error::Failed("the image is empty".into()));
-        }
-        let (width, height) = (self.width, self.height);
-        self.resizer.run(image, width, height, &mut self.pixels);
-        let failed = |error: ort::Error| Error::Failed(error.to_string());
-        let tensor = TensorRef::from_array_view(([1, 1, height, width], &self.pixels[..])).map_err(failed)?;
-        let outputs = self.session.run(ort::inputs![tensor]).map_err(failed)?;
-        let (shape, values) = outputs[0].try_extract_tensor::<f32>().map_err(failed)?;
-        let map = match **shape {
-            [1, 1, rows, columns] => Raster::from_vec(columns as usize, rows as usize, values.to_vec()),
+        let output = self.model.run(image, (self.width, self.height), 1)?.swap_remove(0);
+        let map = match output.shape[..] {
+            [1, 1, rows, columns] => Raster::from_vec(columns, rows, output.values),
             _ => None,
         };
         map.and_then(|map| ActivationMap::new(map, image.width, image.height)).ok_or_else(|| {
+            let shape = &output.shape;
             Error::Failed(format!("its output has shape {shape:?}, expected 1 x 1 x rows x columns"))
         })
     }
@@ -86,23 +74,6 @@ impl fmt::Debug for Network {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Network({} x {})", self.width, self.height)
     }
-}
-
-/// A model as ONNX Runtime runs it, with settings under which the same input gives the same bits.
-pub(crate) fn session(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Session, Error> {
-    let environment = library::environment(library)?;
-    Session::builder(&environment)
-        .map_err(|error| Error::BadModel(error.to_string()))?
-        .with_optimization_level(GraphOptimizationLevel::All)
-        .map_err(|error| Error::BadModel(error.to_string()))?
-        .with_intra_threads(threads.max(1))
-        .map_err(|error| Error::BadModel(error.to_string()))?
-        .with_intra_op_spinning(false)
-        .map_err(|error| Error::BadModel(error.to_string()))?
-        .with_deterministic_compute(true)
-        .map_err(|error| Error::BadModel(error.to_string()))?
-        .commit_from_memory(model)
-        .map_err(|error| Error::BadModel(error.to_string()))
 }
 
 /// Width and height of an input of shape 1 x 1 x height x width.

@@ -22,6 +22,13 @@ pub trait ActivationSource: Debug + Send {
     fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String>;
 }
 
+/// A map that has been made already, whatever the image.
+impl ActivationSource for ActivationMap {
+    fn activation(&mut self, _: &GrayImage) -> Result<ActivationMap, String> {
+        Ok(self.clone())
+    }
+}
+
 impl ActivationMap {
     /// A map of an image of `width` x `height` pixels. Values are clamped to [0, 1]; `None` where one of them is not a
     /// number, or map or image are empty.

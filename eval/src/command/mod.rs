@@ -8,6 +8,8 @@ mod traj;
 use anyhow::Result;
 use clap::{Args, Subcommand};
 
+use crate::places::{self, Host};
+
 /// Arguments of `dsslam eval`.
 #[derive(Debug, Args)]
 pub struct EvalCommand {
@@ -32,6 +34,9 @@ enum Action {
     /// Scores detected loops: precision, recall, precision-recall curve.
     #[command(after_help = loops::HELP)]
     Loops(loops::LoopsArgs),
+    /// Recognizes places in a sequence with three selections of features: precision-recall curves and their areas.
+    #[command(after_help = places::HELP)]
+    Places(places::PlacesArgs),
 }
 
 impl EvalCommand {
@@ -39,13 +44,14 @@ impl EvalCommand {
     ///
     /// # Errors
     /// Wrong input, or an output that cannot be written; the message names the file and what was expected.
-    pub fn run(self) -> Result<()> {
+    pub fn run(self, host: &Host<'_>) -> Result<()> {
         match self.action {
             Action::Traj(args) => traj::run(&args),
             Action::Run(args) => suite::run(&args),
             Action::Table(args) => suite::table(&args),
             Action::Plot(args) => suite::plot(&args),
             Action::Loops(args) => loops::run(&args),
+            Action::Places(args) => out::say(places::run(&args, host)?.trim_end()),
         }
     }
 }

@@ -23,7 +23,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/runtime", &["geometry", "settings", "features", "bow", "map", "slam", "io", "events"]),
     ("crates/viewer", &["geometry", "draw", "events"]),
     ("crates/synth", &["geometry", "io"]),
-    ("eval", &["geometry", "io", "draw"]),
+    ("eval", &["geometry", "features", "dsfeat", "bow", "io", "draw"]),
     (
         "crates/dsslam",
         &[

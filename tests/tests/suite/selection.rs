@@ -1,5 +1,5 @@
 //! Features selected by the activation network, seen from the command line: the same bits by any schedule, the picture of
-//! `dsslam inspect activation`, the curves of `dsslam places`, and what is said when something is missing.
+//! `dsslam inspect activation`, the curves of `dsslam eval places`, and what is said when something is missing.
 
 use std::fs;
 use std::path::Path;
@@ -110,7 +110,7 @@ fn places_seen_twice_are_recognised() {
     copy.write("poses.txt", visits.join("\n") + "\n");
     let out = tempfile::tempdir().unwrap();
     let path = copy.path();
-    let args = ["places", text(&path), "--out", text(out.path()), "--gap", "12", "--radius", "3"];
+    let args = ["eval", "places", text(&path), "--out", text(out.path()), "--gap", "12", "--radius", "3"];
     let Some(call) = with_network(&args) else { return };
     call.expect_success();
     let rows: Vec<&str> = call.stdout.lines().filter(|l| l.ends_with('%')).collect();
@@ -140,7 +140,7 @@ fn what_is_missing_is_named() {
     args[5] = "/no/such.onnx";
     let call = dsslam(&args);
     assert!(call.code == 2 && call.stderr.contains("/no/such.onnx: cannot be read"), "{call}");
-    let call = dsslam(&["places", text(&path), "--out", text(out.path()), "--selection", "trad"]);
+    let call = dsslam(&["eval", "places", text(&path), "--out", text(out.path()), "--selection", "trad"]);
     assert_eq!(call.code, 2, "{call}");
     assert!(call.stderr.contains("no frame shows a place that was seen 100 frames earlier"), "{call}");
 }

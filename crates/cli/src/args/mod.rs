@@ -2,7 +2,6 @@
 
 mod inspect;
 mod network;
-mod places;
 mod render;
 mod run;
 mod settings;
@@ -19,7 +18,6 @@ use crate::help;
 
 pub(crate) use inspect::{Inspect, InspectArgs, ShellArgs, ShellCommand, moved};
 pub(crate) use network::{ActivationArgs, NetworkArgs};
-pub(crate) use places::{PlaceSelection, PlacesArgs};
 pub(crate) use render::{DemoArgs, LayoutArg, SynthArgs, WorldArgs};
 pub(crate) use run::{RunArgs, ScheduleArg};
 pub(crate) use settings::SettingsArgs;
@@ -55,12 +53,9 @@ pub(crate) enum Command {
     /// Shows a finished run in the Rerun viewer: trajectory, ground truth, errors, times; with events.dslog everything.
     #[command(after_help = help::view())]
     View(ViewArgs),
-    /// Evaluates trajectories against ground truth, as tables and plots.
+    /// Evaluates trajectories and place recognition against ground truth, as tables and plots.
     #[command(after_help = help::eval())]
     Eval(eval::command::EvalCommand),
-    /// Recognises places in a sequence with three selections of features: precision-recall curves and their areas.
-    #[command(after_help = help::places())]
-    Places(PlacesArgs),
     /// Prints the default configuration, or checks and explains one.
     #[command(after_help = help::config())]
     Config(ConfigArgs),

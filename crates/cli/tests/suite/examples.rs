@@ -24,8 +24,8 @@ fn shortened(example: &str, dir: &Path) -> String {
         words.splice(at..at + 2, [FRAMES]);
     } else if renders(&words) {
         words.insert(2, FRAMES);
-    } else if words.get(1) == Some(&"places") {
-        words.splice(2..3, ["revisited --gap 4"]);
+    } else if words.get(2) == Some(&"places") {
+        words.splice(3..4, ["revisited --gap 4"]);
     } else if words.get(1) == Some(&"view") && !words.contains(&"--save") {
         words.insert(2, "--save view.rrd");
     } else if let Some(at) = words.iter().position(|word| *word == "--rerun") {
@@ -103,7 +103,7 @@ fn long_examples_are_cut_short() {
         ("dsslam run /tmp/town", "dsslam run /box/town"),
         ("dsslam view # the newest", "dsslam view --save view.rrd # the newest"),
         ("dsslam run kitti --rerun", "dsslam run kitti --rerun-save run.rrd"),
-        ("dsslam places town --out /tmp/p", "dsslam places revisited --gap 4 --out /box/p"),
+        ("dsslam eval places town --out /tmp/p", "dsslam eval places revisited --gap 4 --out /box/p"),
     ] {
         assert_eq!(shortened(example, dir), expected);
     }

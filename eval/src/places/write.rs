@@ -1,13 +1,13 @@
-//! Files and report of `dsslam places`.
+//! Files and report of `dsslam eval places`.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::Result;
-use eval::LoopTruth;
-use eval::plot::{PrecisionRecallFigure, save};
 
 use super::Outcome;
+use crate::loops::LoopTruth;
+use crate::plot::{PrecisionRecallFigure, save};
 
 /// Writes `areas.csv`, `places.csv`, `curves.csv` and the figure.
 pub(super) fn files(folder: &Path, sequence: &str, outcomes: &[Outcome], truth: &LoopTruth) -> Result<()> {

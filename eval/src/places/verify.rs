@@ -14,7 +14,7 @@ const SEED_PURPOSE: u64 = 77;
 
 /// What the geometry of two images says.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Evidence {
+pub(super) struct Evidence {
     /// Mean distance of the inliers from their epipolar lines, both images, pixels.
     pub(super) mean_error_px: f64,
     pub(super) n_matches: usize,

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use anyhow::{Result, anyhow};
 use bow::{BowVector, DirectIndex, MatchOptions, MatchSide, PlaceIndex, match_by_node};
-use dsfeat::{DENSE_CHANNELS, DenseDescriptor};
 use features::{Descriptor, Keypoint};
 use geometry::Vec2;
+
+use super::xfeat::{DENSE_CHANNELS, DenseDescriptor};
 
 /// Smallest cosine of two dense descriptors that match (XFeat's own value).
 const MIN_COSINE: f32 = 0.82;

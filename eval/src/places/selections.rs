@@ -4,21 +4,21 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow};
 use bow::{Transformed, Vocabulary};
-use dsfeat::{DenseFeatures, DenseKeypoint, DenseNetwork, Model, Network};
-use dsslam::Config;
+use dsfeat::{Model, Network};
 use features::{
     ActivationMap, Contender, Descriptor, Extractor, ExtractorConfig, SelectionConfig, SelectionRule, Spread,
     select,
 };
 use geometry::{GrayImage, Raster, Vec2};
 
+use super::args::{PlacesArgs, Selection};
 use super::sight::{Look, Sight};
-use crate::args::{PlaceSelection, PlacesArgs};
-use crate::selected::Known;
+use super::xfeat::{DenseFeatures, DenseKeypoint, DenseNetwork};
+use super::{Host, Settings};
 
 /// Turns an image into what each selection keeps of it.
 pub(super) struct Describer {
-    selections: Vec<(PlaceSelection, SelectionConfig)>,
+    selections: Vec<(Selection, SelectionConfig)>,
     /// By selection; `trad` needs none.
     networks: Vec<Option<Network>>,
     extractor: Extractor,
@@ -40,21 +40,20 @@ impl Describer {
     /// A model or a library that cannot be used.
     pub(super) fn new(
         args: &PlacesArgs,
-        config: &Config,
-        selections: &[PlaceSelection],
-        vocabulary: Arc<Vocabulary>,
+        settings: &Settings,
+        selections: &[Selection],
+        host: &Host<'_>,
     ) -> Result<Self> {
-        let settings = &config.features;
-        let open = |selection: &PlaceSelection| {
+        let open = |selection: &Selection| {
             let model = match selection {
-                PlaceSelection::Trad => return Ok(None),
-                PlaceSelection::Seman => Model::Semantic,
-                PlaceSelection::Ours => Model::Hybrid,
+                Selection::Trad => return Ok(None),
+                Selection::Seman => Model::Semantic,
+                Selection::Ours => Model::Hybrid,
             };
             // A model of one's own takes the place of the hybrid one.
-            let mut own = args.network.options();
-            own.model = own.model.filter(|_| model == Model::Hybrid);
-            Ok(Some(dsslam::load_network(model, &own, settings.network_threads)?))
+            let own = args.dsfeat_model.as_deref().filter(|_| model == Model::Hybrid);
+            (host.network)(model, own, args.onnxruntime.as_deref(), settings.features.network_threads)
+                .map(Some)
         };
         let networks = selections.iter().map(open).collect::<Result<_>>()?;
         let dense = match &args.features_model {
@@ -62,26 +61,32 @@ impl Describer {
             Some(file) => {
                 let model =
                     std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
-                let library = args.network.onnxruntime.as_deref();
-                let network = DenseNetwork::load(&model, library, settings.network_threads);
+                let library = args.onnxruntime.as_deref();
+                let network = DenseNetwork::load(&model, library, settings.features.network_threads);
                 Some(network.with_context(|| file.display().to_string())?)
             }
         };
-        let rule = |&selection: &PlaceSelection| {
+        let rule = |&selection: &Selection| {
             let rule = match selection {
-                PlaceSelection::Trad => SelectionRule::Response,
-                PlaceSelection::Seman => SelectionRule::Semantic,
-                PlaceSelection::Ours => SelectionRule::Activation,
+                Selection::Trad => SelectionRule::Response,
+                Selection::Seman => SelectionRule::Semantic,
+                Selection::Ours => SelectionRule::Activation,
             };
             let spread = if args.cells { Spread::Cells } else { Spread::Anywhere };
             (selection, SelectionConfig { rule, keep: args.keep as usize, spread })
         };
         let candidates =
-            ExtractorConfig { selection: SelectionRule::Activation, keep: 1, ..settings.clone() };
+            ExtractorConfig { selection: SelectionRule::Activation, keep: 1, ..settings.features.clone() };
         let extractor = Extractor::new(candidates);
         let selections = selections.iter().map(rule).collect();
-        let words = Words { vocabulary, weighted: config.weights.words };
+        let vocabulary = (host.vocabulary)(args.vocab.as_deref())?;
+        let words = Words { vocabulary, weighted: settings.weighs_words };
         Ok(Self { selections, networks, extractor, dense, words })
+    }
+
+    /// How many selections there are.
+    pub(super) fn n_selections(&self) -> usize {
+        self.selections.len()
     }
 
     /// What each selection keeps of an image, in their order.
@@ -140,11 +145,11 @@ fn learned(
 fn sparse(
     extractor: &mut Extractor,
     image: &GrayImage,
-    map: ActivationMap,
+    mut map: ActivationMap,
     config: &SelectionConfig,
     words: &Words,
 ) -> Result<Sight> {
-    let chosen = extractor.extract_selected(image, config, &mut Known(map));
+    let chosen = extractor.extract_selected(image, config, &mut map);
     let (features, activation) = chosen.map_err(|reason| anyhow!(reason))?;
     let described = words.of(&features.descriptors, &activation);
     Ok(Sight {

@@ -1,11 +1,12 @@
 //! Which frames show the same place, from the poses of the sequence or of a file.
 
 use anyhow::{Context, Result, bail, ensure};
-use eval::{LoopTruth, SamePlace};
+
 use geometry::SE3;
 use io::{Sequence, Trajectory, read_trajectory};
 
-use crate::args::PlacesArgs;
+use super::args::PlacesArgs;
+use crate::loops::{LoopTruth, SamePlace};
 
 /// Largest time between a frame and its true pose, seconds.
 const TOLERANCE_S: f64 = 0.02;
@@ -46,17 +47,15 @@ fn poses(sequence: &Sequence, truth: &Trajectory) -> Result<Vec<SE3>> {
     if all.len() == sequence.frames.len() {
         return Ok(all.iter().map(|pose| pose.world_from_cam).collect());
     }
-    let nearest = |time_s: f64| {
-        let far = |pose: &&io::StampedPose| (pose.timestamp_s - time_s).abs();
-        all.iter().min_by(|a, b| far(a).total_cmp(&far(b))).filter(|pose| far(pose) <= TOLERANCE_S)
-    };
     let pose = |frame: &io::FrameSource| {
-        nearest(frame.timestamp_s).map(|pose| pose.world_from_cam).with_context(|| {
-            format!(
-                "found no pose within {TOLERANCE_S} s of the frame at {} s, expected one per frame",
-                frame.timestamp_s
-            )
-        })
+        truth.find_nearest(frame.timestamp_s, TOLERANCE_S).map(|pose| pose.world_from_cam).with_context(
+            || {
+                format!(
+                    "found no pose within {TOLERANCE_S} s of the frame at {} s, expected one per frame",
+                    frame.timestamp_s
+                )
+            },
+        )
     };
     sequence.frames.iter().map(pose).collect()
 }

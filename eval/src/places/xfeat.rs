@@ -1,18 +1,13 @@
 //! Dense learned features of a network that the user brings: XFeat (Potje et al., CVPR 2024) as ONNX.
 
-use std::fmt;
 use std::path::Path;
 
+use anyhow::{Context, Result, ensure};
+use dsfeat::{ImageModel, Output};
 use geometry::GrayImage;
-use ort::session::Session;
-use ort::value::TensorRef;
-
-use crate::error::Error;
-use crate::network::session;
-use crate::resize::Resizer;
 
 /// Numbers in a descriptor.
-pub const DENSE_CHANNELS: usize = 64;
+pub(super) const DENSE_CHANNELS: usize = 64;
 /// Pixels of the input per cell of the descriptor map.
 const CELL: usize = 8;
 /// Sides of the input are multiples of this.
@@ -25,79 +20,68 @@ const MIN_SCORE: f32 = 0.05;
 const MAX_KEYPOINTS: usize = 4096;
 
 /// A descriptor of unit length.
-pub type DenseDescriptor = [f32; DENSE_CHANNELS];
+pub(super) type DenseDescriptor = [f32; DENSE_CHANNELS];
 
 /// A keypoint with its descriptor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DenseKeypoint {
+pub(super) struct DenseKeypoint {
     /// Column on the image, pixels.
-    pub x: f32,
+    pub(super) x: f32,
     /// Row on the image, pixels.
-    pub y: f32,
+    pub(super) y: f32,
     /// How much of a keypoint it is, times how reliable its descriptor is, 0 to 1.
-    pub score: f32,
+    pub(super) score: f32,
     /// What it looks like.
-    pub descriptor: DenseDescriptor,
+    pub(super) descriptor: DenseDescriptor,
 }
 
 /// Features of an image.
 #[derive(Clone, Debug)]
-pub struct DenseFeatures {
+pub(super) struct DenseFeatures {
     /// Best score first.
-    pub keypoints: Vec<DenseKeypoint>,
+    pub(super) keypoints: Vec<DenseKeypoint>,
     map: DescriptorMap,
     pixels_per_input: (f32, f32),
 }
 
-/// The network with its buffers.
-pub struct DenseNetwork {
-    session: Session,
-    resizer: Resizer,
-    pixels: Vec<f32>,
-}
+/// The network.
+#[derive(Debug)]
+pub(super) struct DenseNetwork(ImageModel);
 
 impl DenseNetwork {
     /// Loads a model with a color image as input, and the outputs `descriptors` (64 channels), `keypoint_logits` (65) and
-    /// `reliability` (1) at an eighth of its size. `library` and `threads` as for [`crate::Network::load`].
+    /// `reliability` (1) at an eighth of its size. `library` and `threads` as for [`ImageModel::load`].
     ///
     /// # Errors
     /// No library that can be used, no model, or one with other outputs.
-    pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
-        let session = session(model, library, threads)?;
+    pub(super) fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self> {
+        let model = ImageModel::load(model, library, threads)?;
         for expected in ["descriptors", "keypoint_logits", "reliability"] {
-            if !session.outputs().iter().any(|output| output.name() == expected) {
-                let found = session.outputs().iter().map(|o| o.name()).collect::<Vec<_>>().join(", ");
-                let what = "the list of outputs".into();
-                return Err(Error::WrongShape { what, found, expected: format!("one called {expected}") });
-            }
+            let found = model.outputs();
+            ensure!(
+                found.contains(&expected),
+                "cannot be used as a model: the list of outputs is {}, expected one called {expected}",
+                found.join(", ")
+            );
         }
-        Ok(Self { session, resizer: Resizer::default(), pixels: Vec::new() })
+        Ok(Self(model))
     }
 
     /// The features of an image of at least 32 x 32 pixels.
     ///
     /// # Errors
     /// A smaller image, a failure of ONNX Runtime, or outputs of other shapes.
-    pub fn describe(&mut self, image: &GrayImage) -> Result<DenseFeatures, Error> {
+    pub(super) fn describe(&mut self, image: &GrayImage) -> Result<DenseFeatures> {
         let down = |side: usize| side / MULTIPLE * MULTIPLE;
         let (width, height) = (down(image.width), down(image.height));
-        if width == 0 || height == 0 {
-            return Err(Error::Failed(format!("the image is smaller than {MULTIPLE} x {MULTIPLE} pixels")));
-        }
-        self.resizer.run(image, width, height, &mut self.pixels);
-        let colors = self.pixels.repeat(3);
-        let failed = |error: ort::Error| Error::Failed(error.to_string());
-        let tensor = TensorRef::from_array_view(([1, 3, height, width], &colors[..])).map_err(failed)?;
-        let outputs = self.session.run(ort::inputs![tensor]).map_err(failed)?;
+        ensure!(width > 0 && height > 0, "the image is smaller than {MULTIPLE} x {MULTIPLE} pixels");
+        let outputs = self.0.run(image, (width, height), 3)?;
         let (columns, rows) = (width / CELL, height / CELL);
-        let output = |name: &str, channels: usize| {
-            let (shape, values) = outputs[name].try_extract_tensor::<f32>().map_err(failed)?;
-            let expected = [1, channels as i64, rows as i64, columns as i64];
-            if **shape != expected {
-                return Err(Error::Failed(format!(
-                    "output {name} has shape {shape:?}, expected {expected:?}"
-                )));
-            }
+        let output = |name: &str, channels: usize| -> Result<&[f32]> {
+            let find = |output: &&Output| output.name == name;
+            let Output { shape, values, .. } = outputs.iter().find(find).context("an output is gone")?;
+            let expected = [1, channels, rows, columns];
+            ensure!(*shape == expected, "output {name} has shape {shape:?}, expected {expected:?}");
             Ok(values)
         };
         let map = DescriptorMap::new(output("descriptors", DENSE_CHANNELS)?, columns, rows);
@@ -109,16 +93,9 @@ impl DenseNetwork {
     }
 }
 
-impl fmt::Debug for DenseNetwork {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("DenseNetwork")
-    }
-}
-
 impl DenseFeatures {
     /// Mean of all descriptors of the image, weighted by `weight` at their pixels (the DSFeat paper's equation 3).
-    #[must_use]
-    pub fn weighted_mean(&self, weight: impl Fn(f32, f32) -> f32) -> DenseDescriptor {
+    pub(super) fn weighted_mean(&self, weight: impl Fn(f32, f32) -> f32) -> DenseDescriptor {
         let mut mean = [0.0; DENSE_CHANNELS];
         let cells = self.map.columns * self.map.rows;
         for cell in 0..cells {

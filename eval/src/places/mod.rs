@@ -1,29 +1,57 @@
-//! `dsslam places`: recognises places with 500 features of three selections, as the DSFeat paper's second table does. For
+//! `dsslam eval places`: recognizes places with 500 features of three selections, as the DSFeat paper's second table does. For
 //! each frame the most similar earlier one is retrieved; the mean epipolar error of the RANSAC inliers between both is its
 //! score, and a threshold on it that rises gives the precision-recall curve.
 
+mod args;
 mod selections;
 mod sight;
 mod truth;
 mod verify;
 mod write;
+mod xfeat;
 
 use std::path::Path;
+use std::sync::Arc;
 
-use anyhow::Context;
-use eval::{Detection, LoopTruth, PrecisionRecallCurve, precision_recall};
+use anyhow::{Context, Result};
+use bow::Vocabulary;
+use dsfeat::{Model, Network};
+use features::ExtractorConfig;
 use io::open_sequence;
 
-use crate::args::{PlaceSelection, PlacesArgs};
-use crate::console;
-use crate::exit::{Exit, Failure, OrExit};
+use crate::loops::LoopTruth;
+use crate::precision_recall::{Detection, PrecisionRecallCurve, precision_recall};
+use args::Selection;
 use selections::Describer;
 use sight::{Memory, Sight};
 use verify::{Evidence, evidence};
 
+pub(crate) use args::{HELP, PlacesArgs};
+
+/// What place recognition takes from a configuration.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The section `features`.
+    pub features: ExtractorConfig,
+    /// `weights.words`: whether words count as far as their features are trusted.
+    pub weighs_words: bool,
+}
+
+/// What place recognition takes from the program around it, which knows how a configuration becomes a run.
+pub struct Host<'a> {
+    /// Reads a configuration: a file (else the defaults), and what is overridden in it, `key=value`.
+    pub settings: &'a dyn Fn(Option<&Path>, &[String]) -> Result<Settings>,
+    /// Opens a network: the file of a model, else the model that is part of the program; ONNX Runtime's library; threads.
+    pub network: &'a dyn Fn(Model, Option<&Path>, Option<&Path>, usize) -> Result<Network>,
+    /// Opens a vocabulary: a file, else the one that is part of the program.
+    pub vocabulary: &'a dyn Fn(Option<&Path>) -> Result<Arc<Vocabulary>>,
+    /// Hears how many frames are done, and of how many.
+    pub progress: &'a dyn Fn(usize, usize),
+}
+
 /// What was retrieved for one query by one selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Answer {
+struct Answer {
     /// Position of the query in the sequence.
     query: usize,
     /// Position of the retrieved frame.
@@ -35,8 +63,8 @@ pub(crate) struct Answer {
 
 /// All answers of a selection and their curves.
 #[derive(Clone, Debug)]
-pub(crate) struct Outcome {
-    selection: PlaceSelection,
+struct Outcome {
+    selection: Selection,
     answers: Vec<Answer>,
     /// Scored by the mean epipolar error of the inliers.
     by_error: PrecisionRecallCurve,
@@ -51,51 +79,48 @@ impl Outcome {
     }
 }
 
-/// Recognises, scores, writes and prints.
+/// Recognizes, scores and writes; returns the report.
 ///
 /// # Errors
-/// A sequence without ground truth or revisits, a network that cannot be used, a folder that cannot be written.
-pub(crate) fn run(args: &PlacesArgs) -> Result<Exit, Failure> {
-    let config = args.settings.load().or_input()?;
-    let sequence = open_sequence(&args.sequence, None).or_input()?;
-    let selections: Vec<PlaceSelection> =
-        if args.selection.is_empty() { PlaceSelection::ALL.to_vec() } else { args.selection.clone() };
-    let truth = truth::of(&sequence, args).or_input()?;
-    let vocabulary = dsslam::vocabulary(args.vocab.as_deref()).or_input()?;
-    let mut describer = Describer::new(args, &config, &selections, vocabulary).or_input()?;
-    io::create_output_folder(&args.out).or_output()?;
+/// A configuration that is wrong, a sequence without ground truth or revisits, a network that cannot be used, a folder that cannot
+/// be written.
+pub(crate) fn run(args: &PlacesArgs, host: &Host<'_>) -> Result<String> {
+    let settings = (host.settings)(args.config.as_deref(), &args.overrides)?;
+    let sequence = open_sequence(&args.sequence, None)?;
+    let selections = args.selections();
+    let truth = truth::of(&sequence, args)?;
+    let mut describer = Describer::new(args, &settings, &selections, host)?;
+    io::create_output_folder(&args.out)?;
     let images: Vec<&Path> =
         sequence.frames.iter().step_by(args.every as usize).map(|frame| frame.left.as_path()).collect();
-    let answers = recognise(&images, &truth, args.min_gap(), &selections, &mut describer)?;
+    let answers = recognize(&images, &truth, args.min_gap(), &mut describer, host)?;
     let outcomes: Vec<Outcome> = selections
         .iter()
         .zip(answers)
         .map(|(&selection, answers)| outcome(selection, answers, &truth))
-        .collect::<anyhow::Result<_>>()
-        .or_input()?;
-    write::files(&args.out, &sequence.name, &outcomes, &truth).or_output()?;
-    console::say(write::report(&outcomes, &truth, &args.out).trim_end());
-    Ok(Exit::Done)
+        .collect::<Result<_>>()?;
+    write::files(&args.out, &sequence.name, &outcomes, &truth)?;
+    Ok(write::report(&outcomes, &truth, &args.out))
 }
 
 /// The answers of each selection to each frame.
-fn recognise(
+fn recognize(
     images: &[&Path],
     truth: &LoopTruth,
     min_gap: usize,
-    selections: &[PlaceSelection],
     describer: &mut Describer,
-) -> Result<Vec<Vec<Answer>>, Failure> {
-    let bar = console::bar(Some(images.len() as u64), "{bar:24} {pos}/{len} frames");
-    let mut memories: Vec<Memory> = selections.iter().map(|_| Memory::default()).collect();
-    let mut sights: Vec<Vec<Sight>> = selections.iter().map(|_| Vec::new()).collect();
-    let mut answers: Vec<Vec<Answer>> = selections.iter().map(|_| Vec::new()).collect();
+    host: &Host<'_>,
+) -> Result<Vec<Vec<Answer>>> {
+    let n_selections = describer.n_selections();
+    let mut memories: Vec<Memory> = (0..n_selections).map(|_| Memory::default()).collect();
+    let mut sights: Vec<Vec<Sight>> = vec![Vec::new(); n_selections];
+    let mut answers: Vec<Vec<Answer>> = vec![Vec::new(); n_selections];
     for (query, image) in images.iter().enumerate() {
-        let image = io::load_gray(image).or_input()?;
-        let described = describer.describe(&image).with_context(|| format!("frame {query}")).or_input()?;
+        let image = io::load_gray(image)?;
+        let described = describer.describe(&image).with_context(|| format!("frame {query}"))?;
         for (i, sight) in described.into_iter().enumerate() {
             if let Some(old) = query.checked_sub(min_gap) {
-                memories[i].add(old, &sights[i][old]).or_input()?;
+                memories[i].add(old, &sights[i][old])?;
             }
             if let Some(retrieved) = memories[i].most_similar(&sight) {
                 let evidence = evidence(&sight, &sights[i][retrieved], query as u64);
@@ -104,9 +129,8 @@ fn recognise(
             }
             sights[i].push(sight);
         }
-        bar.inc(1);
+        (host.progress)(query + 1, images.len());
     }
-    bar.finish_and_clear();
     Ok(answers)
 }
 
@@ -122,7 +146,7 @@ fn nothing_found(n_events: usize) -> PrecisionRecallCurve {
 }
 
 /// Curves of the answers that geometry supports.
-fn outcome(selection: PlaceSelection, answers: Vec<Answer>, truth: &LoopTruth) -> anyhow::Result<Outcome> {
+fn outcome(selection: Selection, answers: Vec<Answer>, truth: &LoopTruth) -> Result<Outcome> {
     let curve = |score: &dyn Fn(Evidence) -> f64| {
         let detection = |a: &Answer| Some(Detection { score: score(a.evidence?), is_correct: a.is_correct });
         let detections: Vec<Detection> = answers.iter().filter_map(detection).collect();
