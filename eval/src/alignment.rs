@@ -61,7 +61,7 @@ pub fn apply_alignment(gt_from_est: &Sim3, est: &[SE3]) -> Vec<SE3> {
         .collect()
 }
 
-/// Positions of the camera in the world, metres.
+/// Positions of the camera in the world, meters.
 pub fn positions(poses: &[SE3]) -> Vec<Vec3> {
     poses.iter().map(|pose| pose.translation).collect()
 }

@@ -9,13 +9,13 @@ use crate::statistics::Statistics;
 /// Absolute trajectory error.
 #[derive(Clone, Debug)]
 pub struct AteReport {
-    /// Distances, metres; their root mean square is what papers call ATE.
+    /// Distances, meters; their root mean square is what papers call ATE.
     pub error_m: Statistics,
     /// What was aligned first.
     pub alignment: Alignment,
     /// The alignment found: ground-truth world from estimate's world.
     pub gt_from_est: Sim3,
-    /// Error of each pose in order, metres.
+    /// Error of each pose in order, meters.
     pub errors: Vec<f64>,
 }
 

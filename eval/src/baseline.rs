@@ -15,7 +15,7 @@ pub enum Metric {
     /// KITTI rotation drift, degrees per 100 m.
     #[serde(rename = "r_rel_deg_per_100m")]
     RRelDegPer100m,
-    /// Absolute trajectory error, root mean square, metres.
+    /// Absolute trajectory error, root mean square, meters.
     AteRmseM,
     /// Area under the precision-recall curve of place recognition.
     Auc,

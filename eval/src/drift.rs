@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::alignment::check_matched;
 use crate::statistics::Statistics;
 
-/// Segment lengths of the KITTI odometry benchmark, metres.
+/// Segment lengths of the KITTI odometry benchmark, meters.
 pub const KITTI_LENGTHS_M: [f64; 8] = [100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0];
 /// A segment starts at every tenth frame.
 const START_STEP: usize = 10;
@@ -20,7 +20,7 @@ pub struct Segment {
     pub first: usize,
     /// Index of the last frame.
     pub last: usize,
-    /// Nominal length, metres.
+    /// Nominal length, meters.
     pub length_m: f64,
     /// Translation error divided by the nominal length (no unit).
     pub t_err: f64,
@@ -31,7 +31,7 @@ pub struct Segment {
 /// Mean drift of the segments of one length, or of one range of speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DriftBin {
-    /// Segment length in metres, or speed in km/h (middle of the range).
+    /// Segment length in meters, or speed in km/h (middle of the range).
     pub at: f64,
     /// Number of segments.
     pub n: usize,
@@ -183,7 +183,7 @@ pub fn kitti_drift_sparse(est: &[Option<SE3>], gt: &[SE3], lengths_m: &[f64]) ->
     Ok(Drift::from_segments(segments, n_without_estimate))
 }
 
-/// Path length from the first position to each position, metres.
+/// Path length from the first position to each position, meters.
 pub(crate) fn path_lengths(poses: &[SE3]) -> Vec<f64> {
     let mut total = 0.0;
     let mut lengths = Vec::with_capacity(poses.len());
@@ -242,7 +242,7 @@ mod tests {
     use super::*;
     use geometry::{SO3, Vec3};
 
-    /// `n` poses a metre apart along z.
+    /// `n` poses a meter apart along z.
     fn straight(n: usize, step: f64) -> Vec<SE3> {
         (0..n).map(|i| SE3::new(SO3::identity(), Vec3::new(0.0, 0.0, step * i as f64))).collect()
     }

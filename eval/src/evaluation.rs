@@ -31,11 +31,11 @@ pub struct EvaluationOptions {
     pub association: Association,
     /// Alignment before ATE, and before drift and RPE if it has a scale.
     pub alignment: Alignment,
-    /// Segment lengths of the drift, metres.
+    /// Segment lengths of the drift, meters.
     pub lengths_m: Vec<f64>,
     /// Pairs of the relative pose error.
     pub rpe: RpeOptions,
-    /// Window of the scale drift, metres.
+    /// Window of the scale drift, meters.
     pub scale_window_m: f64,
     /// Frames per second of an estimate without times, for drift by speed.
     pub frame_rate_hz: f64,
@@ -133,7 +133,7 @@ pub struct Evaluation {
     pub scale: f64,
     /// The alignment: ground-truth world from the estimate's, rotation times scale and translation as a 3x4 matrix, row by row.
     pub gt_from_est: [f64; 12],
-    /// Absolute trajectory error, metres.
+    /// Absolute trajectory error, meters.
     pub ate_m: Statistics,
     /// Mean translation error of KITTI's segments, percent.
     pub t_rel_percent: Option<f64>,
@@ -147,19 +147,19 @@ pub struct Evaluation {
     pub n_segments: usize,
     /// Segments left out for want of a pose.
     pub n_segments_skipped: usize,
-    /// Drift by segment length, metres.
+    /// Drift by segment length, meters.
     pub per_length: Vec<DriftBin>,
     /// Drift by speed, km/h.
     pub per_speed: Vec<DriftBin>,
-    /// Relative pose error, translation, metres.
+    /// Relative pose error, translation, meters.
     pub rpe_m: Option<Statistics>,
     /// Relative pose error, rotation, degrees.
     pub rpe_deg: Option<Statistics>,
     /// Change of scale, percent per 100 m.
     pub scale_drift_percent_per_100m: Option<f64>,
-    /// Length of the true path over the frames that were compared, metres.
+    /// Length of the true path over the frames that were compared, meters.
     pub path_m: f64,
-    /// Distance from the true to the estimated last position when the first poses are laid on each other, metres.
+    /// Distance from the true to the estimated last position when the first poses are laid on each other, meters.
     pub end_error_m: f64,
     /// Tracked and lost frames (files with times do not tell of lost ones).
     pub coverage: Coverage,
@@ -270,7 +270,7 @@ impl Evaluation {
         self.compared == Some(Subject::Body)
     }
 
-    /// A position of the estimate in the ground truth's world, metres.
+    /// A position of the estimate in the ground truth's world, meters.
     pub fn aligned(&self, position: &Vec3) -> Vec3 {
         Matrix3x4::from_row_slice(&self.gt_from_est) * position.push(1.0)
     }

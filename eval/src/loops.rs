@@ -14,11 +14,11 @@ pub struct LoopTruth {
 /// When two poses count as the same place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamePlace {
-    /// Largest distance, metres.
+    /// Largest distance, meters.
     pub radius_m: f64,
     /// Largest angle between the viewing directions (optical axes), degrees; 180 accepts opposite directions.
     pub max_angle_deg: f64,
-    /// Smallest number of frames between the two, so that neighbours do not count.
+    /// Smallest number of frames between the two, so that neighbors do not count.
     pub min_gap: usize,
 }
 

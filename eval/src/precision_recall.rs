@@ -39,7 +39,7 @@ pub struct PrecisionRecallCurve {
     pub n_events: usize,
 }
 
-/// Sweeps the threshold over the scores of `detections`; `n_events` queries have a place to be recognised.
+/// Sweeps the threshold over the scores of `detections`; `n_events` queries have a place to be recognized.
 ///
 /// Detections of equal score are accepted together, so that the order of the list does not matter.
 ///

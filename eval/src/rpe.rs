@@ -35,7 +35,7 @@ pub struct RpeOptions {
     pub unit: DeltaUnit,
     /// Consecutive pairs or all.
     pub pairs: PairMode,
-    /// All pairs by metres: a pair counts when its distance differs from `delta` by at most this part of it.
+    /// All pairs by meters: a pair counts when its distance differs from `delta` by at most this part of it.
     pub relative_tolerance: f64,
     /// Distances along the ground truth instead of the estimate.
     pub pairs_from_ground_truth: bool,
@@ -57,13 +57,13 @@ impl Default for RpeOptions {
 /// Relative pose error over all pairs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RpeReport {
-    /// Translation part, metres.
+    /// Translation part, meters.
     pub translation: Statistics,
     /// Rotation angle, degrees.
     pub rotation_deg: Statistics,
     /// First and last index of each pair.
     pub pairs: Vec<(usize, usize)>,
-    /// Translation error of each pair, metres.
+    /// Translation error of each pair, meters.
     pub translation_errors: Vec<f64>,
 }
 
@@ -123,7 +123,7 @@ fn select_pairs(travelled: &[f64], options: &RpeOptions) -> Result<Vec<(usize, u
     }
 }
 
-/// The next pair ends at the first frame at least `delta` metres further on.
+/// The next pair ends at the first frame at least `delta` meters further on.
 fn consecutive_by_path(travelled: &[f64], delta: f64) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     let mut start = 0;
@@ -159,7 +159,7 @@ mod tests {
     use super::*;
     use geometry::{SO3, Vec3};
 
-    /// 0, 1, 3, 6, 10, ... metres along x.
+    /// 0, 1, 3, 6, 10, ... meters along x.
     fn accelerating(n: usize) -> Vec<SE3> {
         let x = |i: usize| (i * (i + 1) / 2) as f64;
         (0..n).map(|i| SE3::new(SO3::identity(), Vec3::new(x(i), 0.0, 0.0))).collect()

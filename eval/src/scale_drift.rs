@@ -9,7 +9,7 @@ use crate::drift::path_lengths;
 /// Scale of one window of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaleWindow {
-    /// True path length at the middle of the window, metres.
+    /// True path length at the middle of the window, meters.
     pub at_m: f64,
     /// True size over estimated size.
     pub scale: f64,
@@ -26,7 +26,7 @@ pub struct ScaleDrift {
     pub percent_per_100m: f64,
 }
 
-/// Scale drift of matched poses, in windows of `window_m` metres of the ground truth.
+/// Scale drift of matched poses, in windows of `window_m` meters of the ground truth.
 ///
 /// The scale of a window is the ratio of the two point sets' spreads about their centroids (Horn, JOSA 1987, the
 /// symmetric solution): it needs no rotation, so that straight windows have one too.
@@ -64,7 +64,7 @@ pub fn scale_drift(est: &[SE3], gt: &[SE3], window_m: f64) -> Result<ScaleDrift>
     })
 }
 
-/// Root mean square distance from the centroid, metres.
+/// Root mean square distance from the centroid, meters.
 fn spread(points: &[Vec3]) -> f64 {
     let n = points.len() as f64;
     let centre = points.iter().sum::<Vec3>() / n;

@@ -39,7 +39,7 @@ impl<'a> Compared<'a> {
     }
 
     /// All errors, frames matched by their times. One camera does not know its scale, so the scale is aligned there; frames
-    /// without a pose count in the drift, over segments of `lengths_m` metres, as if the last motion had gone on.
+    /// without a pose count in the drift, over segments of `lengths_m` meters, as if the last motion had gone on.
     ///
     /// # Errors
     /// No time matches, or fewer than three frames have a pose.

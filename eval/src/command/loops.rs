@@ -29,7 +29,7 @@ pub(super) struct LoopsArgs {
     /// Ground truth: the poses of all frames.
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
-    /// With --poses: largest distance of two frames at the same place, metres.
+    /// With --poses: largest distance of two frames at the same place, meters.
     #[arg(long, value_name = "M", default_value_t = 4.0)]
     radius: f64,
     /// With --poses: largest angle between their viewing directions, degrees; 180 accepts opposite directions.

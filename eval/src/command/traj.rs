@@ -43,7 +43,7 @@ pub(super) struct TrajArgs {
     /// Largest difference of timestamps, seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = TIMESTAMP_TOLERANCE_S)]
     tolerance: f64,
-    /// Segment lengths of t_rel and r_rel, metres.
+    /// Segment lengths of t_rel and r_rel, meters.
     #[arg(long, value_name = "M,M,...", value_delimiter = ',', default_values_t = KITTI_LENGTHS_M)]
     lengths: Vec<f64>,
     /// What t_rel and r_rel do at lost frames.
@@ -58,7 +58,7 @@ pub(super) struct TrajArgs {
     /// Consecutive pairs or all.
     #[arg(long, value_enum, default_value = "consecutive")]
     rpe_pairs: PairMode,
-    /// Window of the scale drift, metres.
+    /// Window of the scale drift, meters.
     #[arg(long, value_name = "M", default_value_t = 50.0)]
     scale_window: f64,
     /// Frames per second of a KITTI file, for drift by speed.

@@ -43,7 +43,7 @@ pub(crate) struct PlacesArgs {
     /// Smallest number of frames of the sequence between query and answer.
     #[arg(long, value_name = "FRAMES", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) gap: u32,
-    /// Largest distance of two frames at the same place, metres.
+    /// Largest distance of two frames at the same place, meters.
     #[arg(long, value_name = "M", default_value_t = 4.0)]
     pub(super) radius: f64,
     /// Largest angle between their viewing directions, degrees; 180 accepts opposite directions.

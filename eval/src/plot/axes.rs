@@ -60,7 +60,7 @@ pub(crate) fn range(values: impl Iterator<Item = f64>, margin: Margin) -> (f64, 
 }
 
 impl Axes {
-    /// Axes with the same metres per pixel on both sides: the ranges grow around their centres until they fit.
+    /// Axes with the same meters per pixel on both sides: the ranges grow around their centers until they fit.
     pub(crate) fn equal(frame: Frame, x: (f64, f64), y: (f64, f64)) -> Axes {
         let per_pixel = ((x.1 - x.0) / frame.width).max((y.1 - y.0) / frame.height);
         let grown = |range: (f64, f64), pixels: f64| {

@@ -1,4 +1,4 @@
-//! Drawing surface of all figures: fonts, colours, sizes, and the way to PNG and SVG.
+//! Drawing surface of all figures: fonts, colors, sizes, and the way to PNG and SVG.
 //!
 //! Figures are laid out in logical pixels, 800 wide. They are drawn four times as large: the PNG is averaged down to
 //! twice the logical size (anti-aliased lines), the SVG keeps the fine coordinates in its view box.
@@ -23,7 +23,7 @@ const SHRINK: u32 = 2;
 pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
 /// Grid lines.
 pub(crate) const FAINT: RGBColor = RGBColor(225, 225, 225);
-/// Distinguishable with every common colour-vision deficiency (Okabe and Ito 2008, and a grey), in order of use.
+/// Distinguishable with every common color-vision deficiency (Okabe and Ito 2008, and a grey), in order of use.
 pub(crate) const PALETTE: [RGBColor; 9] = [
     RGBColor(213, 94, 0),
     RGBColor(0, 114, 178),
@@ -171,12 +171,12 @@ impl<B: DrawingBackend> Canvas<'_, B>
 where
     B::ErrorType: 'static,
 {
-    /// Text of `size` logical pixels, vertically centred at `at`.
+    /// Text of `size` logical pixels, vertically centerd at `at`.
     pub(crate) fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) -> Result<()> {
         self.styled_text(text, at, size, anchor, FontTransform::None)
     }
 
-    /// Text that reads upwards, centred at `at`.
+    /// Text that reads upwards, centerd at `at`.
     pub(crate) fn text_upwards(&self, text: &str, at: (f64, f64), size: f64) -> Result<()> {
         self.styled_text(text, at, size, Anchor::Center, FontTransform::Rotate270)
     }

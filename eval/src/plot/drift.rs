@@ -10,7 +10,7 @@ use crate::drift::DriftBin;
 /// What the horizontal axis shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriftAxis {
-    /// Segment length, metres.
+    /// Segment length, meters.
     Length,
     /// Speed, km/h.
     Speed,

@@ -16,7 +16,7 @@ pub struct ErrorFigure {
 }
 
 impl ErrorFigure {
-    /// Error of aligned positions `estimate` against `ground_truth`, metres, element by element.
+    /// Error of aligned positions `estimate` against `ground_truth`, meters, element by element.
     pub fn new(title: &str, estimate: &[Option<Vec3>], ground_truth: &[Vec3]) -> ErrorFigure {
         let mut travelled = 0.0;
         let mut points = Vec::with_capacity(ground_truth.len());

@@ -1,4 +1,4 @@
-//! Figures as PNG and SVG: every axis has its label and unit, colours are safe for colour-blind readers.
+//! Figures as PNG and SVG: every axis has its label and unit, colors are safe for color-blind readers.
 
 mod axes;
 mod bars;

@@ -9,7 +9,7 @@ use plotters::prelude::{DrawingBackend, RGBColor};
 use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
 use super::canvas::{Canvas, Figure, INK, PALETTE, save_png};
 
-/// Above this extent (metres) a trajectory is a car's: its map is the x-z plane of the first camera.
+/// Above this extent (meters) a trajectory is a car's: its map is the x-z plane of the first camera.
 const OUTDOORS_M: f64 = 60.0;
 /// Exaggerations of height that may be chosen in the side view.
 const EXAGGERATIONS: [f64; 6] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
@@ -34,7 +34,7 @@ struct Projection {
 }
 
 impl Projection {
-    /// Chosen by the extents in x, y and z, metres. A long path, or one that leads mostly along z, is that of a forward-looking
+    /// Chosen by the extents in x, y and z, meters. A long path, or one that leads mostly along z, is that of a forward-looking
     /// camera whose y axis points down.
     fn of(extents: [f64; 3]) -> Projection {
         let [x, y, z] = extents;
@@ -60,15 +60,15 @@ impl Projection {
 pub struct TrajectoryFigure {
     /// Title above the plot.
     pub title: String,
-    /// Estimated positions, in the world of the ground truth, metres; `None` leaves a gap (lost frames).
+    /// Estimated positions, in the world of the ground truth, meters; `None` leaves a gap (lost frames).
     pub estimate: Vec<Option<Vec3>>,
-    /// True positions, metres; may be empty.
+    /// True positions, meters; may be empty.
     pub ground_truth: Vec<Vec3>,
     /// Side from which to look.
     pub view: View,
 }
 
-/// Draws `est` over `gt` from above (poses `world_from_cam` in one world frame, metres) as PNG at `path`; `gt` may be
+/// Draws `est` over `gt` from above (poses `world_from_cam` in one world frame, meters) as PNG at `path`; `gt` may be
 /// empty.
 ///
 /// # Errors

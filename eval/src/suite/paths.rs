@@ -9,7 +9,7 @@ use super::results::RunResult;
 /// Times of the same frame in two files differ by their rounding, seconds.
 const SAME_TIME_S: f64 = 1e-6;
 
-/// Positions of a run for plots, in the ground truth's world, metres.
+/// Positions of a run for plots, in the ground truth's world, meters.
 #[derive(Clone, Debug)]
 pub struct RunPaths {
     /// Aligned estimate; `None` where the frame was lost.

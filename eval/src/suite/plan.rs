@@ -28,7 +28,7 @@ pub struct Plan {
     /// A run that takes longer is stopped and counts as failed, seconds.
     #[serde(default)]
     pub timeout_s: Option<f64>,
-    /// Segment lengths of t_rel and r_rel, metres.
+    /// Segment lengths of t_rel and r_rel, meters.
     #[serde(default = "kitti_lengths")]
     pub lengths_m: Vec<f64>,
 }

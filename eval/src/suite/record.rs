@@ -56,7 +56,7 @@ pub struct RunSummary {
     pub points: Option<usize>,
     /// Loops closed.
     pub loops: Option<usize>,
-    /// Absolute trajectory error by the program, metres.
+    /// Absolute trajectory error by the program, meters.
     pub ate_rmse_m: Option<f64>,
     /// Alignment of that error.
     pub alignment: Option<String>,

@@ -19,7 +19,7 @@ pub struct Table {
     pub columns: Vec<String>,
     /// Rows, each as long as `columns`.
     pub rows: Vec<Row>,
-    /// Rows at the end that summarise the others (mean, pooled); set apart by a line.
+    /// Rows at the end that summarize the others (mean, pooled); set apart by a line.
     pub n_summary_rows: usize,
     /// Notes below: lost frames, failures, sources.
     pub notes: Vec<String>,

@@ -20,7 +20,7 @@ pub struct StampedPose {
     /// Seconds. KITTI pose files carry no times: there it is the row or frame number until
     /// [`TrajectoryFile::with_frame_times`].
     pub timestamp_s: f64,
-    /// Pose of the camera (of the body in EuRoC's ground truth) in the world, metres.
+    /// Pose of the camera (of the body in EuRoC's ground truth) in the world, meters.
     pub world_from_cam: SE3,
 }
 

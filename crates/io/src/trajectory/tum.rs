@@ -1,4 +1,4 @@
-//! TUM trajectories: `timestamp tx ty tz qx qy qz qw` a line, seconds and metres, `#` for comments.
+//! TUM trajectories: `timestamp tx ty tz qx qy qz qw` a line, seconds and meters, `#` for comments.
 
 use std::fmt::Write as _;
 use std::path::Path;
