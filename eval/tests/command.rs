@@ -7,6 +7,7 @@ use std::path::Path;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use common::fixture;
+use dsslam_eval::Host;
 use dsslam_eval::command::EvalCommand;
 
 #[derive(Debug, Parser)]
@@ -23,7 +24,13 @@ enum Command {
 fn run(arguments: &[&str]) -> anyhow::Result<()> {
     let all = ["dsslam", "eval"].iter().chain(arguments);
     let Command::Eval(command) = Program::try_parse_from(all)?.command;
-    command.run()
+    let host = Host {
+        extractor: &|_| features::ExtractorConfig::default(),
+        network: &|_, _, _, _| anyhow::bail!("no network here"),
+        vocabulary: &|_| anyhow::bail!("no vocabulary here"),
+        progress: &|_, _| {},
+    };
+    command.run(&host)
 }
 
 fn text(path: &Path) -> String {
