@@ -1,17 +1,10 @@
 //! KITTI drift agrees with `devkit_reference.py` (numpy, written from the definition) to 1e-9, and reproduces what public
 //! tools print for published trajectories.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and says what it skips"
-)]
-
-mod common;
 
 use std::path::Path;
 use std::process::Command;
 
-use common::{fixture, pairs, published};
+use super::support::{fixture, pairs, published};
 use dsslam_eval::{Alignment, Drift, KITTI_LENGTHS_M, ate, kitti_drift, kitti_drift_sparse};
 use geometry::{SE3, SO3};
 

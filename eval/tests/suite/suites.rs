@@ -1,14 +1,10 @@
 //! A suite from its file to its report, with a small program in the place of `dsslam`.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-#![cfg(unix)]
-
-mod common;
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use common::fixture;
+use super::support::fixture;
 use dsslam_eval::baseline::{Metric, read_baselines};
 use dsslam_eval::figures::result_figures;
 use dsslam_eval::report::html_report;

@@ -1,5 +1,4 @@
 //! Laws that hold for every trajectory: what moves an estimate as a whole does not change its error.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use dsslam_eval::{
     Alignment, KITTI_LENGTHS_M, RpeOptions, apply_alignment, ate, estimate_alignment, kitti_drift, rpe,

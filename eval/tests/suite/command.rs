@@ -1,12 +1,9 @@
 //! The command line as the `dsslam` program includes it.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod common;
 
 use std::path::Path;
 
+use super::support::fixture;
 use clap::{CommandFactory, Parser, Subcommand};
-use common::fixture;
 use dsslam_eval::Host;
 use dsslam_eval::command::EvalCommand;
 

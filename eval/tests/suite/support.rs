@@ -1,10 +1,4 @@
 //! Files of the tests: the small fixtures beside them, and published trajectories where they are present.
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "each test program uses a part; a test fails by panicking and says what it skips"
-)]
 
 use std::path::{Path, PathBuf};
 

@@ -1,19 +1,10 @@
 //! ATE and RPE agree with `evo`, the field's independent judge, to 1e-6.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking and says what it skips"
-)]
-
-mod common;
-#[path = "common/evo_values.rs"]
-mod evo_values;
 
 use std::path::PathBuf;
 
-use common::{fixture, pairs, published};
+use super::evo_values::{Ape, FIXTURES_APE, FIXTURES_RPE, PUBLISHED_APE, PUBLISHED_RPE, Part, Rpe};
+use super::support::{fixture, pairs, published};
 use dsslam_eval::{RpeOptions, Statistics, apply_alignment, ate, estimate_alignment, rpe};
-use evo_values::{Ape, FIXTURES_APE, FIXTURES_RPE, PUBLISHED_APE, PUBLISHED_RPE, Part, Rpe};
 
 const TOLERANCE: f64 = 1e-6;
 

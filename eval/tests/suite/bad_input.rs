@@ -1,11 +1,8 @@
 //! Bad input, each with its exact message.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod common;
 
 use std::path::Path;
 
-use common::fixture;
+use super::support::fixture;
 use dsslam_eval::{
     Alignment, Association, Estimate, Evaluation, EvaluationOptions, KITTI_LENGTHS_M, associate, ate,
     kitti_drift,

@@ -1,5 +1,4 @@
 //! The one evaluator: lost frames, lengths, the end of the path, scale.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use dsslam_eval::{Alignment, Estimate, Evaluation, EvaluationOptions, LostFrames};
 use geometry::{SE3, SO3, Vec3};
