@@ -22,7 +22,7 @@ fn run(arguments: &[&str]) -> anyhow::Result<()> {
     let all = ["dsslam", "eval"].iter().chain(arguments);
     let Command::Eval(command) = Program::try_parse_from(all)?.command;
     let host = Host {
-        extractor: &|_| features::ExtractorConfig::default(),
+        settings: &|_, _| anyhow::bail!("no configuration here"),
         network: &|_, _, _, _| anyhow::bail!("no network here"),
         vocabulary: &|_| anyhow::bail!("no vocabulary here"),
         progress: &|_, _| {},
