@@ -67,7 +67,7 @@ pub enum FormatError {
 }
 
 /// Why a vocabulary file cannot be read or written; the message names the file.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VocabularyError {
     /// The operating system refused to read it.
     #[error("{}: cannot be read: {reason}", path.display())]
@@ -86,22 +86,13 @@ pub enum VocabularyError {
         problem: FormatError,
     },
     /// The operating system refused to write it.
-    #[error("{}: cannot be written: {reason}", path.display())]
-    Unwritable {
-        /// The file.
-        path: PathBuf,
-        /// The reason given by the operating system.
-        reason: String,
-    },
+    #[error(transparent)]
+    Unwritable(io::FileError),
 }
 
 impl VocabularyError {
     pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> Self {
         Self::Unreadable { path: path.to_path_buf(), reason: error.to_string() }
-    }
-
-    pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Self {
-        Self::Unwritable { path: path.to_path_buf(), reason: error.to_string() }
     }
 
     pub(crate) fn format(path: &Path, problem: FormatError) -> Self {

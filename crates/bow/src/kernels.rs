@@ -1,5 +1,4 @@
-//! The distance loops, compiled twice: with and without the population count instruction, chosen at run time.
-#![allow(unsafe_code)]
+//! Distances of descriptors, for loops that run with the population count instruction where the processor has it.
 
 /// 256 bits, as in `features::Descriptor`.
 pub(crate) type Bits = [u64; 4];
@@ -25,37 +24,11 @@ pub(crate) fn nearest(centers: &[Bits], bits: &Bits) -> usize {
     (least & ((1 << INDEX_BITS) - 1)) as usize
 }
 
-/// A computation whose `run` must be `#[inline(always)]`, so that it takes on the processor features of its caller.
-pub(crate) trait Task {
-    /// What it computes.
-    type Output;
-    /// Computes it.
-    fn run(self) -> Self::Output;
-}
-
-/// Runs the form of the task that fits the processor; both give the same result, the work being in integers.
-///
-/// AVX2 is left out on purpose: compilers then count bits by table look-ups in vectors, half as fast for single distances.
-#[inline]
-pub(crate) fn dispatch<T: Task>(task: T) -> T::Output {
-    #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("popcnt") {
-        // SAFETY: the processor has the instruction.
-        return unsafe { run_popcnt(task) };
-    }
-    task.run()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "popcnt")]
-fn run_popcnt<T: Task>(task: T) -> T::Output {
-    task.run()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use simd::{Task, run_counting};
 
     struct Nearest<'a>(&'a [Bits], &'a Bits);
 
@@ -73,7 +46,7 @@ mod tests {
             let by_bit = |c: &Bits| (0..256).filter(|i| (c[i / 64] ^ bits[i / 64]) >> (i % 64) & 1 == 1).count();
             let expected = (0..centers.len()).min_by_key(|&i| by_bit(&centers[i])).unwrap_or(0);
             prop_assert_eq!(Nearest(&centers, &bits).run(), expected);
-            prop_assert_eq!(dispatch(Nearest(&centers, &bits)), expected);
+            prop_assert_eq!(run_counting(Nearest(&centers, &bits)), expected);
             prop_assert!(centers.iter().all(|center| distance(center, &bits) as usize == by_bit(center)));
         }
     }

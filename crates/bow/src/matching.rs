@@ -1,8 +1,9 @@
 //! Guided matching: features of two frames are compared only where the vocabulary leads both to the same node.
 
 use crate::direct::DirectIndex;
-use crate::kernels::{Task, dispatch, distance};
+use crate::kernels::distance;
 use features::{Descriptor, Keypoint, consistent_rotations};
+use simd::{Task, run_counting};
 
 /// One of the two frames to match.
 #[derive(Clone, Copy)]
@@ -51,7 +52,7 @@ pub struct NodeMatch {
 /// matches whose rotation agrees with most remain.
 #[must_use]
 pub fn match_by_node(a: &MatchSide<'_>, b: &MatchSide<'_>, options: &MatchOptions) -> Vec<NodeMatch> {
-    let mut matches = dispatch(Nearest { a, b, options });
+    let mut matches = run_counting(Nearest { a, b, options });
     matches.sort_unstable_by_key(|m| (m.b, m.distance, m.a));
     matches.dedup_by_key(|m| m.b);
     matches.sort_unstable_by_key(|m| m.a);

@@ -9,9 +9,8 @@ use geometry::GrayImage;
 use rayon::prelude::*;
 use std::ffi::OsStr;
 use std::fmt;
-use std::fs::{self, File};
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// The two file formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,32 +75,16 @@ fn parse_text(bytes: &[u8]) -> Result<Vocabulary, FormatError> {
     Vocabulary::from_text(text)
 }
 
-/// Writes a vocabulary: to a temporary name beside the file, synced, then renamed, so that a file of this name is whole.
+/// Writes a vocabulary, so that a file of this name is whole whatever happens.
 ///
 /// # Errors
 /// [`VocabularyError::Unwritable`].
 pub fn save(vocabulary: &Vocabulary, path: &Path, format: Format) -> Result<(), VocabularyError> {
-    let write = |bytes: &[u8]| {
-        let mut name = path.file_name().unwrap_or_default().to_os_string();
-        name.push(format!(".{}.part", std::process::id()));
-        let part = path.with_file_name(name);
-        let written = (|| {
-            let mut file = File::create(&part)?;
-            file.write_all(bytes)?;
-            file.sync_all()?;
-            fs::rename(&part, path)
-        })();
-        if written.is_err() {
-            // The first error is the one to report.
-            let _ = fs::remove_file(&part);
-        }
-        written
-    };
     match format {
-        Format::Binary => write(vocabulary.as_bytes()),
-        Format::Text => write(vocabulary.to_text().as_bytes()),
+        Format::Binary => ::io::write_durable(path, vocabulary.as_bytes()),
+        Format::Text => ::io::write_durable(path, vocabulary.to_text().as_bytes()),
     }
-    .map_err(|error| VocabularyError::unwritable(path, &error))
+    .map_err(VocabularyError::Unwritable)
 }
 
 /// What a conversion did.

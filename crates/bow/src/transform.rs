@@ -1,10 +1,11 @@
 //! Descriptors of an image to its bag-of-words vector and its direct index.
 
 use crate::direct::DirectIndex;
-use crate::kernels::{Task, dispatch, nearest};
+use crate::kernels::nearest;
 use crate::vector::BowVector;
 use crate::vocabulary::{Tree, Vocabulary};
 use features::Descriptor;
+use simd::{Task, run_counting};
 
 /// Level of the nodes of direct indices, from the root: 100 nodes for a branching of 10, as ORB-SLAM2 (four levels above
 /// the leaves of six).
@@ -39,7 +40,7 @@ impl Vocabulary {
         level: u32,
     ) -> Transformed {
         let tree = self.tree();
-        let Paths { words, nodes } = dispatch(Descend { tree, descriptors, level });
+        let Paths { words, nodes } = run_counting(Descend { tree, descriptors, level });
         let weights = words.iter().enumerate().map(|(i, &word)| {
             let trust = activation.and_then(|weights| weights.get(i)).copied().unwrap_or(1.0);
             (word, tree.weights[word as usize] * trust)
@@ -53,7 +54,7 @@ impl Vocabulary {
     /// The word of each descriptor.
     #[must_use]
     pub fn words_of(&self, descriptors: &[Descriptor]) -> Vec<u32> {
-        dispatch(Descend { tree: self.tree(), descriptors, level: 0 }).words
+        run_counting(Descend { tree: self.tree(), descriptors, level: 0 }).words
     }
 }
 

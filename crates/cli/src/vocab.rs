@@ -93,6 +93,6 @@ fn describe(origin: &str, format: Format, vocabulary: &Vocabulary) {
 
 /// An unwritable file is a fault of the output, everything else of the input.
 fn failure(error: VocabularyError) -> Failure {
-    let exit = if matches!(error, VocabularyError::Unwritable { .. }) { Exit::Output } else { Exit::Input };
+    let exit = if matches!(error, VocabularyError::Unwritable(_)) { Exit::Output } else { Exit::Input };
     Failure { exit, error: error.into() }
 }

@@ -98,7 +98,7 @@ pub(crate) fn wanted_mask(config: &Config, size: ImageSize) -> Result<Option<Gra
     let Some(path) = &config.input.mask else { return Ok(None) };
     let place = || format!("input.mask ({})", config.provenance("input.mask"));
     let mask = io::load_gray(path).map_err(|problem| Error::Mask { place: place(), problem })?;
-    let found = ImageSize { width: mask.width, height: mask.height };
+    let found = mask.size();
     if found != size {
         return Err(Error::MaskSize { place: place(), path: path.clone(), found, expected: size });
     }

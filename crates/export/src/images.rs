@@ -109,7 +109,7 @@ impl SceneImages {
         let image = load_rgb(file)?;
         let index = scene.views[view].camera;
         let (camera, table) = (&scene.cameras[index], &self.tables[index]);
-        let found = ImageSize { width: image.width, height: image.height };
+        let found = image.size();
         let (width, height) = table.as_ref().map_or((camera.width, camera.height), RemapTable::source_size);
         let expected = ImageSize { width, height };
         if found != expected {

@@ -4,9 +4,9 @@
 //! The slope matters: the ground before a car has a disparity that changes by a third of a pixel per row. A parabola through
 //! costs, the usual way, prefers whole pixels; its error on real pairs is nearly twice as large.
 
-use crate::kernels::Simd;
 use crate::kernels::normal::{self, HALF, LANES, ONE, Patch, Row, SIDE, Sums};
 use crate::plane::Plane;
+use simd::Simd;
 
 /// Pixels around the position that must exist in the left image.
 pub(crate) const MARGIN: usize = normal::MARGIN;

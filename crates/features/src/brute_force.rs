@@ -1,9 +1,8 @@
 //! Descriptor matching without knowledge of positions.
 
 use crate::descriptor::Descriptor;
-use crate::kernels::Simd;
-use crate::kernels::dispatch::{Task, dispatch};
 use rayon::prelude::*;
+use simd::{Simd, Task};
 
 /// Pairs `(index in a, index in b)` that are each other's nearest, of equals the lowest index, with a distance of at most
 /// `max_distance` that is below `ratio` times the distance to the second nearest in `b`; sorted by the first index.
@@ -16,12 +15,12 @@ pub fn match_brute_force(
 ) -> Vec<(u32, u32)> {
     let simd = Simd::detect();
     let matched = a.par_iter().with_min_len(32).enumerate().map(|(i, descriptor)| {
-        let (j, best, second) = dispatch(simd, TwoNearest { query: descriptor, among: b })?;
+        let (j, best, second) = simd.run(TwoNearest { query: descriptor, among: b })?;
         let distinct = best <= max_distance && second.is_none_or(|s| (best as f32) < ratio * s as f32);
         if !distinct {
             return None;
         }
-        let (back, ..) = dispatch(simd, TwoNearest { query: &b[j], among: a })?;
+        let (back, ..) = simd.run(TwoNearest { query: &b[j], among: a })?;
         (back == i).then_some((i as u32, j as u32))
     });
     matched.collect::<Vec<_>>().into_iter().flatten().collect()

@@ -5,13 +5,13 @@ use crate::config::ExtractorConfig;
 use crate::depth::DepthConfig;
 use crate::extractor::Extractor;
 use crate::frame::{Frame, Rig};
-use crate::kernels::Simd;
 use crate::keypoint::{Features, Keypoint};
 use crate::mask::FeatureMask;
 use crate::pyramid::Pyramid;
 use crate::selection::SelectionConfig;
 use crate::stereo::{StereoConfig, StereoMatcher, StereoPair};
 use geometry::{DepthImage, GrayImage, Vec2};
+use simd::Simd;
 use std::sync::Arc;
 
 /// Builds frames of one camera; owns the buffers, which are reused from frame to frame.

@@ -1,9 +1,9 @@
 //! Corners of one pyramid level: FAST over whole rows, non-maximum suppression, two thresholds per cell.
 
-use crate::kernels::Simd;
 use crate::kernels::fast::{self, RADIUS};
 use crate::plane::{Plane, SLACK};
 use crate::quadtree::Corner;
+use simd::Simd;
 
 /// Distance in pixels that corners keep from the edge of their level.
 pub(crate) const EDGE: usize = 16;

@@ -2,11 +2,10 @@
 
 use crate::frame::Frame;
 use crate::grid::{Entry, Grid};
-use crate::kernels::Simd;
-use crate::kernels::dispatch::{Task, dispatch};
 use crate::window::{Candidate, Nearest, WindowMatch};
 use geometry::{SE3, Vec2};
 use rayon::prelude::*;
+use simd::{Simd, Task};
 
 /// Chi-square, 1 degree of freedom, 95 %: squared distance to the epipolar line in units of the feature's variance.
 const CHI2_LINE: f32 = 3.84;
@@ -40,7 +39,7 @@ pub fn search_epipolar(
     is_free: impl Fn(usize) -> bool,
 ) -> Option<WindowMatch> {
     let segment = Segment::new(a, feature, b, b_from_a, range)?;
-    let found = dispatch(Simd::detect(), LineSearch { a, feature, b, segment, is_free })?;
+    let found = Simd::detect().run(LineSearch { a, feature, b, segment, is_free })?;
     (found.best.distance <= range.max_distance).then_some(found)
 }
 

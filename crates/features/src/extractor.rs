@@ -6,7 +6,7 @@ use crate::descriptor::Descriptor;
 use crate::detect::{Detector, region};
 use crate::kernels::brief::{REACH, describe};
 use crate::kernels::fast::{self, RADIUS};
-use crate::kernels::{Simd, blur, moments};
+use crate::kernels::{blur, moments};
 use crate::keypoint::{Features, Keypoint};
 use crate::mask::FeatureMask;
 use crate::plane::{Plane, reflect};
@@ -16,6 +16,7 @@ use crate::scales::{ScaleLevels, level_quotas};
 use crate::selection::{Contender, SelectionConfig, select};
 use geometry::GrayImage;
 use rayon::prelude::*;
+use simd::Simd;
 use std::sync::Arc;
 
 /// Extracts ORB features; owns all buffers, so that nothing but the result is allocated per image.

@@ -1,10 +1,10 @@
 //! The image pyramid: each level reduced from the one before.
 
-use crate::kernels::Simd;
 use crate::kernels::resize::Resizer;
 use crate::plane::Plane;
 use crate::scales::ScaleLevels;
 use geometry::GrayImage;
+use simd::Simd;
 
 /// An image at several scales, the full one first; memory is reused from image to image.
 #[derive(Debug, Default)]

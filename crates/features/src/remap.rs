@@ -1,10 +1,10 @@
 //! Redrawing an image through a table that is computed once: rectification of raw images, before anything else looks at them.
 
-use crate::kernels::Simd;
 use crate::kernels::remap::{FRACTION_BITS, ONE, remap_pixels};
 use crate::mask::eroded;
 use geometry::{CameraModel, GrayImage, Pinhole, SO3, Vec2};
 use rayon::prelude::*;
+use simd::Simd;
 
 /// Rows that one task redraws.
 const BAND: usize = 16;

@@ -5,15 +5,16 @@
 
 use crate::align::{self, Alignment, align};
 use crate::frame::Rig;
-use crate::kernels::Simd;
 use crate::kernels::minimum;
 use crate::kernels::sad::{self, costs_along_row};
 use crate::keypoint::Keypoint;
 use crate::plane::Plane;
 use crate::pyramid::Pyramid;
+use geometry::median;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use settings::{Entry, Section, above, between, integer, optional_real, real};
+use simd::Simd;
 
 /// How disparities are searched and which are believed: the section `stereo` of the configuration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -112,11 +113,7 @@ impl StereoMatcher {
         let found: Vec<Option<Alignment>> =
             keypoints.par_iter().with_min_len(32).map_init(Scratch::default, find).collect();
         let mut residuals: Vec<f64> = found.iter().flatten().map(|f| f.residual).collect();
-        if residuals.is_empty() {
-            return vec![f32::NAN; keypoints.len()];
-        }
-        let middle = residuals.len() / 2;
-        let median = *residuals.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let Some(median) = median(&mut residuals) else { return vec![f32::NAN; keypoints.len()] };
         // Residuals of perfect images are all zero.
         let limit = (f64::from(self.config.max_residual_ratio) * median).max(1.0);
         found

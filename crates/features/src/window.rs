@@ -2,9 +2,8 @@
 
 use crate::descriptor::Descriptor;
 use crate::frame::Frame;
-use crate::kernels::Simd;
-use crate::kernels::dispatch::{Task, dispatch};
 use rayon::prelude::*;
+use simd::{Simd, Task};
 
 /// Where and how a map point should appear in a frame.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +51,7 @@ pub fn search_window(
     query: &ProjectionQuery,
     is_free: impl Fn(usize) -> bool,
 ) -> Option<WindowMatch> {
-    dispatch(Simd::detect(), WindowSearch { frame, query, is_free })
+    Simd::detect().run(WindowSearch { frame, query, is_free })
 }
 
 /// [`search_window`] for many queries against the features marked as free; runs on the current rayon pool, results in

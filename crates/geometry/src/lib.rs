@@ -11,6 +11,7 @@ mod essential;
 mod estimators;
 mod fundamental;
 mod homography;
+mod median;
 mod p3p;
 mod pinhole;
 mod polynomial;
@@ -43,10 +44,11 @@ pub use fundamental::{estimate_fundamental, fundamental_from_poses, sampson_erro
 pub use homography::{
     Homography, PlanarMotion, decompose_homography, estimate_homography, homography_of_four,
 };
+pub use median::median;
 pub use p3p::p3p;
 pub use pinhole::Pinhole;
 pub use ransac::{Consensus, Estimator, RansacOptions, ransac};
-pub use raster::{DepthImage, GrayImage, Raster};
+pub use raster::{DepthImage, GrayImage, ImageSize, Raster};
 pub use rectify::{RectificationError, StereoRectification, rectify_single, rectify_stereo};
 pub use se3::SE3;
 pub use seed::mix_seed;

@@ -1,5 +1,7 @@
 //! Images as plain data.
 
+use std::fmt;
+
 /// A grid of values, row after row without padding.
 ///
 /// `data.len() == width * height`; build it with [`Raster::new`] or [`Raster::from_vec`].
@@ -11,6 +13,37 @@ pub struct Raster<T> {
     pub height: usize,
     /// Values, the upper left one first.
     pub data: Vec<T>,
+}
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ImageSize {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl fmt::Display for ImageSize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+impl ImageSize {
+    /// The size after a reduction by `factor`: rounded, at least one pixel.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let side = |pixels: usize| ((pixels as f64 * factor).round() as usize).max(1);
+        Self { width: side(self.width), height: side(self.height) }
+    }
+
+    /// Width and height of `new` over those of this size: what a camera's pixels are to be multiplied with.
+    #[must_use]
+    pub fn factors_to(&self, new: ImageSize) -> [f64; 2] {
+        let ratio = |new: usize, old: usize| new as f64 / (old.max(1)) as f64;
+        [ratio(new.width, self.width), ratio(new.height, self.height)]
+    }
 }
 
 /// Brightness, 0 black to 255 white.
@@ -40,6 +73,12 @@ impl<T: Copy> Raster<T> {
             data.extend((0..width).map(|x| f(x, y)));
         }
         Self { width, height, data }
+    }
+
+    /// Width and height.
+    #[must_use]
+    pub fn size(&self) -> ImageSize {
+        ImageSize { width: self.width, height: self.height }
     }
 
     /// Row `y`.

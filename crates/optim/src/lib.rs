@@ -21,8 +21,9 @@ mod pose;
 pub mod pose_graph;
 mod report;
 mod robust;
-mod simd;
 mod sparse;
+#[cfg(test)]
+mod wide;
 
 pub use bundle::model::{Linearization, ObservationModel, Point};
 pub use bundle::rig::{RigCamera, RigModel, RigObservation};

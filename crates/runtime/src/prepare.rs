@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use features::{ExtractorConfig, FeatureMask, RemapTable, remap};
-use geometry::{DepthImage, GrayImage, Raster};
+use geometry::{DepthImage, GrayImage};
 use io::{ImageError, ImageSize, LoadedFrame, RectifiedView, Sequence, reduce_depth, reduce_gray};
 
 use crate::record::Unusable;
@@ -74,7 +74,7 @@ impl Preparation {
     fn prepared(&self, image: GrayImage, camera: usize) -> Result<GrayImage, Unusable> {
         let image = match self.scale {
             None => image,
-            Some(scale) => reduce_gray(&image, size_of(&image).scaled(scale)),
+            Some(scale) => reduce_gray(&image, image.size().scaled(scale)),
         };
         if self.tables.is_empty() {
             return Ok(image);
@@ -83,20 +83,16 @@ impl Preparation {
         let table = self.tables.get(camera).ok_or(Unusable::Unrectified(name))?;
         remap(&image, table).ok_or_else(|| {
             let (width, height) = table.source_size();
-            Unusable::Size { image: name, found: size_of(&image), expected: ImageSize { width, height } }
+            Unusable::Size { image: name, found: image.size(), expected: ImageSize { width, height } }
         })
     }
 
     fn reduced_depth(&self, depth: DepthImage) -> DepthImage {
         match self.scale {
             None => depth,
-            Some(scale) => reduce_depth(&depth, size_of(&depth).scaled(scale)),
+            Some(scale) => reduce_depth(&depth, depth.size().scaled(scale)),
         }
     }
-}
-
-fn size_of<T>(image: &Raster<T>) -> ImageSize {
-    ImageSize { width: image.width, height: image.height }
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 //! A vectorised path (AVX2) is chosen at run time; the plain one gives the same numbers and stands beside it for all other machines.
 #![allow(unsafe_code)]
 
+use simd::Simd;
+
 use crate::texture::Plane;
 
 /// Positions per call.
@@ -35,7 +37,7 @@ impl Walk {
 #[inline]
 pub(crate) fn sums(plane: Plane<'_>, walk: &Walk, taps: usize, n: usize) -> [i32; LANES] {
     #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") {
+    if Simd::detect().avx2().is_some() {
         // SAFETY: the processor has AVX2.
         return unsafe { avx2::sums(plane, walk, taps, n) };
     }

@@ -1,7 +1,7 @@
 //! Draws what has changed in the scene: points, keyframes, edges, the path, the true path.
 
 use events::{Alignment, KeyframeUpdate, PointUpdate, Scene};
-use geometry::{SE3, Vec3};
+use geometry::{SE3, Vec3, median};
 use rerun::{Color, LineStrips3D, Points3D, Radius, RecordingStream, RecordingStreamResult};
 
 use crate::colors::{self, color, in_space, of_submap};
@@ -195,8 +195,7 @@ fn centers(scene: &Scene) -> Vec<Vec3> {
 /// The median distance between keyframes that follow each other.
 fn median_gap(centers: &[Vec3]) -> Option<f64> {
     let mut gaps: Vec<f64> = centers.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
-    gaps.sort_by(f64::total_cmp);
-    gaps.get(gaps.len() / 2).copied().filter(|gap| *gap > 0.0)
+    median(&mut gaps).filter(|gap| *gap > 0.0)
 }
 
 /// The median distance decides how large frusta are.

@@ -116,8 +116,5 @@ pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     if std::fs::read_to_string(path).is_ok_and(|old| old == text) {
         return Ok(());
     }
-    let part = path.with_extension(format!("{}.part", std::process::id()));
-    std::fs::write(&part, text)
-        .and_then(|()| std::fs::rename(&part, path))
-        .with_context(|| format!("cannot write {}", path.display()))
+    Ok(io::write_atomic(path, text.as_bytes())?)
 }

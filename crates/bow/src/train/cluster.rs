@@ -1,9 +1,10 @@
 //! One division of a node: k-medians, that is Lloyd's rounds with Hamming distances and bitwise medians.
 
-use crate::kernels::{Bits, Task, dispatch, nearest};
+use crate::kernels::{Bits, nearest};
 use crate::train::majority::BitCounts;
 use crate::train::{TrainOptions, seeding};
 use rayon::prelude::*;
+use simd::{Task, run_counting};
 
 /// Descriptors that one task works on.
 pub(crate) const CHUNK: usize = 8192;
@@ -36,7 +37,8 @@ pub(crate) fn split(descriptors: &mut [Bits], seed: u64, options: &TrainOptions)
 /// Labels each descriptor with its nearest median; whether a label changed, and the bits of each part.
 fn assign(descriptors: &[Bits], medians: &[Bits], labels: &mut [u16]) -> (bool, Vec<BitCounts>) {
     let chunks = descriptors.par_chunks(CHUNK).zip(labels.par_chunks_mut(CHUNK));
-    let results: Vec<_> = chunks.map(|(part, labels)| dispatch(Assign { part, medians, labels })).collect();
+    let results: Vec<_> =
+        chunks.map(|(part, labels)| run_counting(Assign { part, medians, labels })).collect();
     let mut changed = false;
     let mut sums = vec![BitCounts::default(); medians.len()];
     for (part_changed, counts) in &results {

@@ -1,11 +1,12 @@
 //! First centers for k-medians: k-means++ (Arthur and Vassilvitskii, SODA 2007) with Hamming distances.
 
-use crate::kernels::{Bits, Task, dispatch, distance};
+use crate::kernels::{Bits, distance};
 use crate::train::cluster::CHUNK;
 use geometry::mix_seed;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use simd::{Task, run_counting};
 
 /// Purpose of the random numbers in [`mix_seed`].
 const SEEDING: u64 = 0x5eed;
@@ -21,7 +22,7 @@ pub(crate) fn choose(descriptors: &[Bits], n: usize, seed: u64) -> Vec<Bits> {
         // Integers: the sum is the same in any order.
         let chunks = cost_sq.par_chunks_mut(CHUNK).zip(descriptors.par_chunks(CHUNK));
         let sums: Vec<u64> =
-            chunks.map(|(cost_sq, part)| dispatch(Approach { center, part, cost_sq })).collect();
+            chunks.map(|(cost_sq, part)| run_counting(Approach { center, part, cost_sq })).collect();
         let total: u64 = sums.iter().sum();
         if total == 0 {
             break;

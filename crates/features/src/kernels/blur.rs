@@ -1,9 +1,9 @@
 //! Gaussian blur, 7 x 7, sigma 2 px, in integers, equal to OpenCV's 8-bit `GaussianBlur` bit for bit.
 
-use crate::kernels::Simd;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
 use crate::plane::{Plane, SLACK, reflect};
+use simd::Simd;
 
 /// The kernel in units of 1/256, from the outside to the centre (rounded so that the sum is exactly one).
 pub(crate) const WEIGHTS: [i32; 4] = [18, 34, 48, 56];

@@ -1,10 +1,10 @@
 //! The rotated comparisons of the ORB descriptor on a blurred image.
 
 use crate::descriptor::Descriptor;
-use crate::kernels::Simd;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
 use crate::pattern::BIT_PATTERN;
+use simd::Simd;
 
 /// Largest distance in rows or columns of a rotated, rounded pattern point from the centre.
 pub(crate) const REACH: usize = 19;

@@ -3,9 +3,9 @@
 //! The score of a pixel is the largest threshold for which it is a corner: with the saturated differences of the 16 ring
 //! pixels to the centre, the largest over the 16 arcs of the least difference in the arc, minus one.
 
-use crate::kernels::Simd;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
+use simd::Simd;
 
 /// Radius of the ring in pixels.
 pub(crate) const RADIUS: usize = 3;

@@ -1,20 +1,19 @@
 //! Minima of the costs along a row.
 
-use crate::kernels::Simd;
-use crate::kernels::dispatch::{Task, dispatch};
+use simd::{Simd, Task};
 
 /// Places nearer than this to the best belong to the same minimum.
 const SAME_MINIMUM: usize = 3;
 
 /// Index of the lowest cost, the last of equals (the smallest disparity); 0 when there are none.
 pub(crate) fn last_minimum(simd: Simd, costs: &[u16]) -> usize {
-    dispatch(simd, Last { costs })
+    simd.run(Last { costs })
 }
 
 /// Index of the lowest cost, the last of equals, and how far behind it the minimum lies, within half a place; `None` at the
 /// ends and when the cost is not below `uniqueness` times that of every other minimum.
 pub(crate) fn distinct_minimum(simd: Simd, costs: &[u16], uniqueness: f32) -> Option<(usize, f32)> {
-    dispatch(simd, Distinct { costs, uniqueness })
+    simd.run(Distinct { costs, uniqueness })
 }
 
 struct Last<'a> {

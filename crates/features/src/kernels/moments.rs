@@ -1,8 +1,8 @@
 //! First moments of the brightness in a disc, for the orientation of a corner (Rosin's intensity centroid).
 
-use crate::kernels::Simd;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
+use simd::Simd;
 
 /// Radius of the disc in pixels.
 pub(crate) const RADIUS: usize = 15;

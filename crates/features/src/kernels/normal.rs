@@ -1,10 +1,10 @@
 //! Sums of the normal equations of a patch alignment, in integers, so that the order of summation does not matter.
 
-use crate::kernels::Simd;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
-use crate::kernels::dispatch::{Task, dispatch};
 use crate::plane::Plane;
+use simd::Simd;
+use simd::Task;
 
 /// Half side of the patch in pixels; rows are computed as 16 lanes of which the last has no weight.
 pub(crate) const HALF: usize = 7;
@@ -75,7 +75,7 @@ impl Patch {
     /// Nearer than [`MARGIN`] to an edge.
     pub(crate) fn new(simd: Simd, image: &Plane, x: usize, y: usize) -> Self {
         assert!(x >= MARGIN && y >= HALF && x + MARGIN < image.width() && y + HALF < image.height());
-        dispatch(simd, Cut { image, x, y })
+        simd.run(Cut { image, x, y })
     }
 }
 

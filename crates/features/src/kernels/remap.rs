@@ -1,9 +1,9 @@
 //! Bilinear sampling at places given by a table, in integers: weights of five bits each way, rounded half up at the end.
 
-use crate::kernels::Simd;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
 use geometry::GrayImage;
+use simd::Simd;
 
 /// Bits of a weight.
 pub(crate) const FRACTION_BITS: u32 = 5;

@@ -1,9 +1,9 @@
 //! Bilinear reduction of an image, in integers: weights of 11 bits across, 15 bits down, each rounded half up.
 
-use crate::kernels::Simd;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
 use crate::plane::{Plane, SLACK};
+use simd::Simd;
 
 /// Weight of a whole pixel across.
 const ONE_X: i32 = 1 << 11;

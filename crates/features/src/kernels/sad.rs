@@ -3,10 +3,10 @@
 //! Without the means the cost would follow differences of exposure; of the measures tried on real pairs (plain, without the
 //! centre value, high-pass filtered, other shapes) this one finds most matches at the lowest rate of wrong ones.
 
-use crate::kernels::Simd;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
 use crate::plane::Plane;
+use simd::Simd;
 
 /// Columns of a patch at `x`: from `x - 8` to `x + 7`.
 pub(crate) const LEFT: usize = 8;

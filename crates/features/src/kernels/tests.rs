@@ -1,6 +1,8 @@
 //! Every vector kernel against its scalar twin, bit for bit, on random images of odd sizes.
 
-use super::{Simd, blur, brief, fast, moments, normal, resize::Resizer, sad};
+use simd::Simd;
+
+use super::{blur, brief, fast, moments, normal, resize::Resizer, sad};
 use crate::detect::rows_around;
 use crate::plane::Plane;
 use geometry::GrayImage;

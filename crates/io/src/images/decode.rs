@@ -10,8 +10,8 @@ use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageResult};
 
 use super::Rgb;
-use super::error::{ImageError, ImageSize};
 use super::gray::{first_channel, gray_from_colour};
+use super::{ImageError, ImageSize};
 
 /// Reads an image as 8-bit grey; colour is weighted as OpenCV does, alpha is left out.
 ///

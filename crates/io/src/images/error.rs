@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use geometry::ImageSize;
+
 /// Why an image file gives no image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ImageError {
@@ -73,19 +75,4 @@ pub enum ImageError {
         /// The kinds that are supported.
         expected: &'static str,
     },
-}
-
-/// Width and height in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ImageSize {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-}
-
-impl std::fmt::Display for ImageSize {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}x{}", self.width, self.height)
-    }
 }

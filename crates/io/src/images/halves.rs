@@ -30,7 +30,7 @@ pub(super) fn take(
     if packing == Packing::Whole {
         return Ok((image, None));
     }
-    let size = ImageSize { width: image.width, height: image.height };
+    let size = image.size();
     let half = half_size(path, size)?;
     let from = |column: usize| {
         GrayImage::from_fn(half.width, half.height, |x, y| image.data[y * image.width + column + x])

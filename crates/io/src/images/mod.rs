@@ -15,7 +15,8 @@ use crate::dataset::{FrameSource, Packing};
 
 pub use decode::{image_size, load_depth, load_gray, load_rgb};
 pub use encode::{Preview, preview, save_png_depth, save_png_gray, save_png_rgb};
-pub use error::{ImageError, ImageSize};
+pub use error::ImageError;
+pub use geometry::ImageSize;
 pub use gray::brightness;
 pub(crate) use halves::half_size;
 pub use resize::{reduce_depth, reduce_gray};
@@ -37,7 +38,7 @@ pub struct LoadedFrame {
 impl LoadedFrame {
     /// Size of the images of this frame.
     pub fn size(&self) -> ImageSize {
-        ImageSize { width: self.left.width, height: self.left.height }
+        self.left.size()
     }
 
     /// The frame that an image holds, alone or side by side with another one; errors name `path`.
@@ -69,18 +70,18 @@ impl LoadedFrame {
 /// The first [`ImageError`] met, in the order left, right, depth.
 pub fn load_frame(source: &FrameSource) -> Result<LoadedFrame, ImageError> {
     let (left, packed_right) = halves::take(load_gray(&source.left)?, source.packing, &source.left)?;
-    let expected = ImageSize { width: left.width, height: left.height };
+    let expected = left.size();
     let because = format!("as {}", source.left.display());
     let mut right = packed_right;
     if let Some(path) = &source.right {
         let image = load_gray(path)?;
-        check_size(path, ImageSize { width: image.width, height: image.height }, expected, &because)?;
+        check_size(path, image.size(), expected, &because)?;
         right = Some(image);
     }
     let mut depth = None;
     if let Some(path) = &source.depth {
         let image = load_depth(path)?;
-        check_size(path, ImageSize { width: image.width, height: image.height }, expected, &because)?;
+        check_size(path, image.size(), expected, &because)?;
         depth = Some(image);
     }
     Ok(LoadedFrame { left, right, depth })

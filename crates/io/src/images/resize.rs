@@ -6,22 +6,6 @@ use image::{ImageBuffer, Luma};
 
 use super::ImageSize;
 
-impl ImageSize {
-    /// The size after a reduction by `factor`: rounded, at least one pixel.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
-        let side = |pixels: usize| ((pixels as f64 * factor).round() as usize).max(1);
-        Self { width: side(self.width), height: side(self.height) }
-    }
-
-    /// Width and height of `new` over those of this size: what a camera's pixels are to be multiplied with.
-    #[must_use]
-    pub fn factors_to(&self, new: ImageSize) -> [f64; 2] {
-        let ratio = |new: usize, old: usize| new as f64 / (old.max(1)) as f64;
-        [ratio(new.width, self.width), ratio(new.height, self.height)]
-    }
-}
-
 /// A grey image reduced to a size, with the corners kept in place: each pixel is a weighted mean over the area that it covers and half
 /// of that of its neighbours, so that nothing is seen that is finer than the new pixels.
 #[must_use]

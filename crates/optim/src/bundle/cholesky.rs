@@ -1,6 +1,6 @@
 //! Sparse Cholesky factorisation in dense blocks, one block row per free camera.
 
-use crate::simd::{Kernel, Lanes};
+use simd::{Simd, Task};
 
 /// A symmetric positive definite matrix of CxC blocks: lower triangle by columns, factored in place.
 pub(crate) struct BlockCholesky<const C: usize> {
@@ -45,8 +45,8 @@ impl<const C: usize> BlockCholesky<C> {
     }
 
     /// Replaces the matrix by its factor; `false` when it is not positive definite.
-    pub(crate) fn factor(&mut self, lanes: Lanes) -> bool {
-        lanes.run(Factor(self))
+    pub(crate) fn factor(&mut self, simd: Simd) -> bool {
+        simd.run(Factor(self))
     }
 
     /// Replaces the right-hand side by the solution.
@@ -106,7 +106,7 @@ impl<const C: usize> BlockCholesky<C> {
 
 struct Factor<'a, const C: usize>(&'a mut BlockCholesky<C>);
 
-impl<const C: usize> Kernel for Factor<'_, C> {
+impl<const C: usize> Task for Factor<'_, C> {
     type Output = bool;
 
     /// Right-looking: factor a column, subtract its outer product from the columns to the right.
@@ -244,7 +244,7 @@ mod tests {
         let (mut matrix, dense) = example();
         let b = DVector::from_fn(dense.nrows(), |i, _| (i as f64).sin());
         let mut x: Vec<[f64; 3]> = (0..12).map(|k| std::array::from_fn(|i| b[3 * k + i])).collect();
-        assert!(matrix.factor(Lanes::detect()));
+        assert!(matrix.factor(Simd::detect()));
         matrix.solve(&mut x);
         let residual = dense * DVector::from_iterator(36, x.concat()) - b;
         assert!(residual.norm() < 1e-13, "{}", residual.norm());
@@ -256,7 +256,7 @@ mod tests {
             let (mut matrix, _) = example();
             let diagonal = matrix.diagonal(5);
             matrix.blocks[diagonal][1][1] = bad;
-            assert!(!matrix.factor(Lanes::detect()), "{bad}");
+            assert!(!matrix.factor(Simd::detect()), "{bad}");
         }
     }
 }

@@ -13,9 +13,9 @@ use geometry::{SE3, StereoRig, Vec2, Vec3};
 
 use crate::report::Report;
 use crate::robust::MAX_CHI_SQ;
-use crate::simd::Lanes;
 use model::{ObservationModel, Point};
 use rig::{RigCamera, RigModel, RigObservation};
+use simd::Simd;
 use solver::{Edge, Graph, minimize_with};
 
 /// A measurement of a point in a camera.
@@ -92,14 +92,14 @@ pub struct BundleSolution {
 /// # Panics
 /// When an observation names a camera or point that does not exist, or `fixed` has another length than `cameras`.
 pub fn refine_bundle(problem: &BundleProblem, options: &BundleOptions) -> BundleSolution {
-    refine_bundle_with(problem, options, Lanes::detect())
+    refine_bundle_with(problem, options, Simd::detect())
 }
 
 /// [`refine_bundle`] with given instructions.
 pub(crate) fn refine_bundle_with(
     problem: &BundleProblem,
     options: &BundleOptions,
-    lanes: Lanes,
+    simd: Simd,
 ) -> BundleSolution {
     let model = RigModel::new(&problem.rig);
     let edges = problem.observations.iter().map(edge);
@@ -109,7 +109,7 @@ pub(crate) fn refine_bundle_with(
         points: problem.points.iter().map(|&p| p.into()).collect(),
         edges: edges.clone().collect(),
     };
-    let minimum = minimize_with(&model, graph, options, lanes);
+    let minimum = minimize_with(&model, graph, options, simd);
     let (chi_sq, inliers): (Vec<f64>, Vec<bool>) =
         judge(&model, edges, &minimum.cameras, &minimum.points).unzip();
     let n_inliers = inliers.iter().filter(|&&inlier| inlier).count();

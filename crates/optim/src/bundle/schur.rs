@@ -9,7 +9,7 @@ use super::model::{Linearization, ObservationModel, Point};
 use super::point::{PointFactor, damping_scale};
 use super::structure::{NONE, Structure};
 use crate::robust::{Loss, MAX_CHI_SQ};
-use crate::simd::{Kernel, Lanes};
+use simd::{Simd, Task};
 
 /// Cameras and points under estimation.
 #[derive(Clone)]
@@ -51,12 +51,12 @@ pub(crate) struct System<O, const C: usize> {
     /// Z^T per slot, one row per point coordinate.
     z: Vec<[[f64; C]; 3]>,
     points: Vec<PointFactor>,
-    lanes: Lanes,
+    simd: Simd,
 }
 
 impl<O: Copy, const C: usize> System<O, C> {
     /// All buffers for a problem.
-    pub(crate) fn new(structure: Structure<O>, matrix: BlockCholesky<C>, lanes: Lanes) -> Self {
+    pub(crate) fn new(structure: Structure<O>, matrix: BlockCholesky<C>, simd: Simd) -> Self {
         let n = matrix.n();
         Self {
             camera_block: vec![[[0.0; C]; C]; n],
@@ -67,7 +67,7 @@ impl<O: Copy, const C: usize> System<O, C> {
             points: vec![PointFactor::default(); structure.point_edges.len() - 1],
             structure,
             matrix,
-            lanes,
+            simd,
         }
     }
 
@@ -76,7 +76,7 @@ impl<O: Copy, const C: usize> System<O, C> {
     where
         M: ObservationModel<C, Observation = O>,
     {
-        self.lanes.run(CostKernel { structure: &self.structure, model, at, loss })
+        self.simd.run(CostKernel { structure: &self.structure, model, at, loss })
     }
 
     /// Builds the reduced camera system at `at`.
@@ -84,8 +84,8 @@ impl<O: Copy, const C: usize> System<O, C> {
     where
         M: ObservationModel<C, Observation = O>,
     {
-        let lanes = self.lanes;
-        lanes.run(Linearize { system: self, model, at, loss, lambda });
+        let simd = self.simd;
+        simd.run(Linearize { system: self, model, at, loss, lambda });
     }
 
     /// Solves the system and writes the stepped estimate to `to`; returns the decrease of cost that the quadratic model
@@ -99,7 +99,7 @@ impl<O: Copy, const C: usize> System<O, C> {
     where
         M: ObservationModel<C, Observation = O>,
     {
-        if !self.matrix.factor(self.lanes) {
+        if !self.matrix.factor(self.simd) {
             return None;
         }
         self.matrix.solve(&mut self.step);
@@ -114,7 +114,7 @@ impl<O: Copy, const C: usize> System<O, C> {
                 to.cameras[camera] = model.moved(&from.cameras[camera], &self.step[position as usize]);
             }
         }
-        predicted += self.lanes.run(BackSubstitute { system: self, from: &from.points, to: &mut to.points });
+        predicted += self.simd.run(BackSubstitute { system: self, from: &from.points, to: &mut to.points });
         Some(predicted)
     }
 }
@@ -126,7 +126,7 @@ struct CostKernel<'a, M: ObservationModel<C>, const C: usize> {
     loss: Loss,
 }
 
-impl<M: ObservationModel<C>, const C: usize> Kernel for CostKernel<'_, M, C> {
+impl<M: ObservationModel<C>, const C: usize> Task for CostKernel<'_, M, C> {
     type Output = Cost;
 
     #[inline(always)]
@@ -155,7 +155,7 @@ struct Linearize<'a, M: ObservationModel<C>, const C: usize> {
     lambda: f64,
 }
 
-impl<M: ObservationModel<C>, const C: usize> Kernel for Linearize<'_, M, C> {
+impl<M: ObservationModel<C>, const C: usize> Task for Linearize<'_, M, C> {
     type Output = ();
 
     #[inline(always)]
@@ -274,7 +274,7 @@ struct BackSubstitute<'a, O, const C: usize> {
     to: &'a mut [Point],
 }
 
-impl<O, const C: usize> Kernel for BackSubstitute<'_, O, C> {
+impl<O, const C: usize> Task for BackSubstitute<'_, O, C> {
     type Output = f64;
 
     /// Steps all points; returns their part of the predicted decrease.

@@ -6,7 +6,7 @@ use super::schur::{Estimate, System};
 use super::structure::Structure;
 use crate::report::StopReason;
 use crate::robust::{Loss, NEGLIGIBLE_DECREASE};
-use crate::simd::Lanes;
+use simd::Simd;
 
 /// Damping is kept within these bounds; at the upper one no step is left to try.
 const MIN_DAMPING: f64 = 1e-12;
@@ -69,7 +69,7 @@ pub fn minimize<M, const C: usize>(
 where
     M: ObservationModel<C>,
 {
-    minimize_with(model, graph, options, Lanes::detect())
+    minimize_with(model, graph, options, Simd::detect())
 }
 
 /// [`minimize`] with given instructions.
@@ -77,7 +77,7 @@ pub(crate) fn minimize_with<M, const C: usize>(
     model: &M,
     graph: Graph<M::Camera, M::Observation>,
     options: &BundleOptions,
-    lanes: Lanes,
+    simd: Simd,
 ) -> Minimum<M::Camera>
 where
     M: ObservationModel<C>,
@@ -88,7 +88,7 @@ where
     assert!(graph.edges.iter().all(is_known), "an observation names a camera or point that does not exist");
     let loss = if options.robust { Loss::Huber } else { Loss::Squared };
     let (structure, matrix) = Structure::new::<C>(&graph.fixed, graph.points.len(), &graph.edges);
-    let mut system = System::new(structure, matrix, lanes);
+    let mut system = System::new(structure, matrix, simd);
     let mut current = Estimate { cameras: graph.cameras, points: graph.points };
     let mut trial = current.clone();
     let initial_cost = system.cost(model, &current, loss);

@@ -12,8 +12,8 @@ use geometry::{SE3, StereoRig, Vec2, Vec3, Vec6};
 use crate::bundle::solver::Damping;
 use crate::report::{Report, StopReason};
 use crate::robust::{Loss, NEGLIGIBLE_DECREASE};
-use crate::simd::Lanes;
 use normal::{Normal, Packs};
+use simd::Simd;
 
 /// A measurement of a known point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ pub fn refine_pose(
     observations: &[PoseObservation],
     options: &PoseOptions,
 ) -> PoseSolution {
-    refine_pose_with(rig, initial, observations, options, Lanes::detect())
+    refine_pose_with(rig, initial, observations, options, Simd::detect())
 }
 
 /// [`refine_pose`] with given instructions.
@@ -95,10 +95,10 @@ pub(crate) fn refine_pose_with(
     initial: SE3,
     observations: &[PoseObservation],
     options: &PoseOptions,
-    lanes: Lanes,
+    simd: Simd,
 ) -> PoseSolution {
     let mut descent = Descent {
-        packs: Packs::new(rig, observations, lanes),
+        packs: Packs::new(rig, observations, simd),
         active: Vec::new(),
         loss: Loss::Huber,
         cam_from_world: initial,

@@ -6,7 +6,7 @@ use super::PoseObservation;
 use super::lanes::F4;
 use crate::bundle::rig::MIN_DEPTH_M;
 use crate::robust::{CHI2_MONO, CHI2_STEREO, Loss, MAX_CHI_SQ};
-use crate::simd::{Kernel, Lanes};
+use simd::{Simd, Task};
 
 /// Four observations, structure of arrays.
 #[derive(Clone, Copy, Default)]
@@ -37,7 +37,7 @@ pub(super) struct Packs {
     packs: Vec<Pack>,
     rig: StereoRig,
     n: usize,
-    lanes: Lanes,
+    simd: Simd,
 }
 
 /// Camera-frame point, inverse depth, residuals and squared error of four observations; zero where undefined.
@@ -51,7 +51,7 @@ struct Residual {
 
 impl Packs {
     /// Packs the observations; those with a number that is not finite never take part.
-    pub(super) fn new(rig: &StereoRig, observations: &[PoseObservation], lanes: Lanes) -> Self {
+    pub(super) fn new(rig: &StereoRig, observations: &[PoseObservation], simd: Simd) -> Self {
         let mut packs = vec![Pack::default(); observations.len().div_ceil(4)];
         for (i, o) in observations.iter().enumerate() {
             let (pack, l) = (&mut packs[i / 4], i % 4);
@@ -71,7 +71,7 @@ impl Packs {
             pack.limit.0[l] = if has_right { CHI2_STEREO } else { CHI2_MONO };
             pack.active.0[l] = 1.0;
         }
-        Self { packs, rig: *rig, n: observations.len(), lanes }
+        Self { packs, rig: *rig, n: observations.len(), simd }
     }
 
     /// Lets the chosen observations take part.
@@ -83,13 +83,13 @@ impl Packs {
 
     /// Normal equations at a pose over the active observations.
     pub(super) fn normal(&self, cam_from_world: &SE3, loss: Loss) -> Normal {
-        self.lanes.run(NormalKernel { packs: self, camera: Camera::new(cam_from_world), loss })
+        self.simd.run(NormalKernel { packs: self, camera: Camera::new(cam_from_world), loss })
     }
 
     /// Per observation whether its error lies within `factor` times its chi-square limit.
     pub(super) fn within(&self, cam_from_world: &SE3, factor: f64) -> Vec<bool> {
         let mut within =
-            self.lanes.run(WithinKernel { packs: self, camera: Camera::new(cam_from_world), factor });
+            self.simd.run(WithinKernel { packs: self, camera: Camera::new(cam_from_world), factor });
         within.truncate(self.n);
         within
     }
@@ -144,7 +144,7 @@ struct NormalKernel<'a> {
     loss: Loss,
 }
 
-impl Kernel for NormalKernel<'_> {
+impl Task for NormalKernel<'_> {
     type Output = Normal;
 
     /// Sums J^T W J = [A, .; B, B [p]x^T] with B = [p]x A, as in the bundle's rig model.
@@ -228,7 +228,7 @@ struct WithinKernel<'a> {
     factor: f64,
 }
 
-impl Kernel for WithinKernel<'_> {
+impl Task for WithinKernel<'_> {
     type Output = Vec<bool>;
 
     #[inline(always)]
@@ -276,7 +276,7 @@ mod tests {
         for (seed, loss) in [(1, Loss::Squared), (2, Loss::Huber), (3, Loss::Huber)] {
             let (truth, observations) = frame(seed, 101, 1.0, 0.3, 0.5);
             let pose = small_motion(&mut random(seed), 0.1, 0.01) * truth;
-            let normal = Packs::new(&rig, &observations, Lanes::detect()).normal(&pose, loss);
+            let normal = Packs::new(&rig, &observations, Simd::detect()).normal(&pose, loss);
             let (mut cost, mut gradient, mut hessian) = (0.0, [0.0; 6], [[0.0; 6]; 6]);
             for o in &observations {
                 let observation = RigObservation::new(o.pixel.x, o.pixel.y, o.right_u, o.inv_sigma_sq);

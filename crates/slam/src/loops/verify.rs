@@ -1,6 +1,6 @@
 //! Geometry of a loop candidate: matches by vocabulary node, weighted RANSAC, guided search, refinement, enough inliers.
 
-use geometry::{RansacOptions, SE3, SightedPoints, Sim3, SimilarityEstimator, Vec2, Vec3, ransac};
+use geometry::{RansacOptions, SE3, SightedPoints, Sim3, SimilarityEstimator, Vec2, Vec3, median, ransac};
 use map::{Keyframe, KeyframeId, Map, PointId};
 
 use super::outcome::NoLoop;
@@ -167,8 +167,7 @@ fn scale_between(verified: &Verified, here: &Keyframe, map: &Map) -> f64 {
             (ratio.is_finite() && ratio > 0.0).then_some(ratio)
         })
         .collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied().unwrap_or(verified.scale)
+    median(&mut ratios).unwrap_or(verified.scale)
 }
 
 #[cfg(test)]

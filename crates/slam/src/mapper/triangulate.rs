@@ -1,6 +1,7 @@
 //! New points from features that two covisible keyframes see and that have no point yet.
 
 use features::{EpipolarRange, search_epipolar_all};
+use geometry::median;
 use map::{Batch, KeyframeId, Map, NewPoint, Observation};
 
 use super::Mapper;
@@ -88,8 +89,7 @@ fn median_depth(map: &Map, keyframe: KeyframeId) -> Option<f64> {
     let cam_from_world = map.keyframe(keyframe)?.cam_from_world;
     let points = map.points_of(keyframe);
     let mut depths: Vec<f64> = points.map(|(_, point)| (cam_from_world * point.position).z).collect();
-    depths.sort_by(f64::total_cmp);
-    depths.get(depths.len() / 2).copied().filter(|&depth| depth > 0.0)
+    median(&mut depths).filter(|&depth| depth > 0.0)
 }
 
 #[cfg(test)]

@@ -4,7 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use features::{Candidate, Frame, ProjectionQuery};
-use geometry::{SE3, TwoViewFailure, TwoViewMatches, TwoViewOptions, TwoViewReconstruction, Vec2, Vec3};
+use geometry::{
+    SE3, TwoViewFailure, TwoViewMatches, TwoViewOptions, TwoViewReconstruction, Vec2, Vec3, median,
+};
 use optim::{BundleOptions, BundleProblem, refine_bundle};
 
 use crate::params::Params;
@@ -230,8 +232,7 @@ fn in_unit(
     first_from_world: SE3,
 ) -> InitialPair {
     let mut depths: Vec<f64> = points.iter().map(|p| p.2.z).collect();
-    depths.sort_by(f64::total_cmp);
-    let unit = depths[depths.len() / 2];
+    let unit = median(&mut depths).unwrap_or(1.0);
     let motion = SE3::new(second_from_first.rotation, second_from_first.translation / unit);
     let world_from_first = first_from_world.inverse();
     InitialPair {

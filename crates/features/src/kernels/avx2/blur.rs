@@ -1,8 +1,8 @@
 //! The two passes of the 7 x 7 Gaussian, 32 pixels at a time.
 
 use super::{load, store};
-use crate::kernels::Avx2;
 use crate::kernels::blur::{ROUND, WEIGHTS};
+use simd::Avx2;
 use std::arch::x86_64::*;
 
 /// All weights, and a zero so that they make four pairs.

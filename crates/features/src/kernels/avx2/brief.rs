@@ -2,9 +2,9 @@
 
 use super::store;
 use crate::descriptor::Descriptor;
-use crate::kernels::Avx2;
 use crate::kernels::brief::REACH;
 use crate::pattern::BIT_PATTERN;
+use simd::Avx2;
 use std::arch::x86_64::*;
 
 /// The pattern by coordinate: x1, y1, x2, y2 of all comparisons.

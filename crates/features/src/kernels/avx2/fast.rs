@@ -1,8 +1,8 @@
 //! FAST scores of 32 pixels at a time.
 
 use super::{load, store};
-use crate::kernels::Avx2;
 use crate::kernels::fast::{RADIUS, RING};
+use simd::Avx2;
 use std::arch::x86_64::*;
 
 /// See `kernels::fast::score_row`.

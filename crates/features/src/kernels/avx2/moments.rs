@@ -1,8 +1,8 @@
 //! Moments of a disc, a row of 32 pixels at a time.
 
 use super::load;
-use crate::kernels::Avx2;
 use crate::kernels::moments::{HALF_WIDTH, RADIUS};
+use simd::Avx2;
 use std::arch::x86_64::*;
 
 /// Factors of the pixels of each row, from 15 left of the centre to 16 right of it: dx, and dy; 0 outside of the disc.

@@ -1,8 +1,8 @@
 //! Sums of the normal equations, a row of 16 pixels at a time.
 
 use super::{load, store};
-use crate::kernels::Avx2;
 use crate::kernels::normal::{IntegerSums, LANES, LIMIT, Patch, Row, SIDE, WEIGHTS};
+use simd::Avx2;
 use std::arch::x86_64::*;
 
 /// See `kernels::normal::sums`.

@@ -1,9 +1,9 @@
 //! Bilinear sampling by a table: eight pixels from two gathers of four bytes each.
 
 use super::load;
-use crate::kernels::Avx2;
 use crate::kernels::remap::{FRACTION_BITS, remap_scalar};
 use geometry::GrayImage;
+use simd::Avx2;
 use std::arch::x86_64::*;
 
 /// Pixels of one step.

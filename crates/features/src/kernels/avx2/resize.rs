@@ -1,8 +1,8 @@
 //! Bilinear reduction: eight pixels across from one load of 16, 32 pixels down at a time.
 
 use super::{load, store};
-use crate::kernels::Avx2;
 use crate::kernels::resize::{Block, Blocks};
+use simd::Avx2;
 use std::arch::x86_64::*;
 
 /// See `kernels::resize::resize_row`.

@@ -1,8 +1,8 @@
 //! Costs of a patch along a row, two rows of 16 pixels per vector.
 
 use super::{load, store};
-use crate::kernels::Avx2;
 use crate::kernels::sad::{HEIGHT, Scratch, WIDTH};
+use simd::Avx2;
 use std::arch::x86_64::*;
 
 /// See `kernels::sad::costs_along_row`; the rows begin at the first pixel of the patch and of the strip.
