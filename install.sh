@@ -56,7 +56,7 @@ if message=$(crates/dsfeat/get-onnxruntime.sh 2>&1); then
   echo "      $message"
 else
   echo "      not installed: $message" >&2
-  echo "      Without it features.selection must be response: with configs/kitti.yaml add --set features.selection=response" >&2
+  echo "      Without it features.selection must be response: with --config kitti add --set features.selection=response" >&2
   echo "      --set features.keep=2000. Run crates/dsfeat/get-onnxruntime.sh again, or pass a library with --onnxruntime FILE" >&2
 fi
 
