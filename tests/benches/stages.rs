@@ -46,8 +46,9 @@ impl Input {
 
     fn frames(&self) -> [Frame; 2] {
         let mut builder = self.builder();
-        [0, 1]
-            .map(|i| builder.stereo(i as u32, i as f64 * 0.1, &self.pairs[i][0], &self.pairs[i][1]).unwrap())
+        [0, 1].map(|i| {
+            builder.stereo(i as u32, i as f64 * 0.1, &self.pairs[i][0], &self.pairs[i][1]).unwrap().0
+        })
     }
 }
 
@@ -173,14 +174,14 @@ fn stages(criterion: &mut Criterion) {
 }
 
 /// The activation map of an image, and a frame of the 500 features that it selects.
-fn selection(criterion: &mut Criterion, input: &Input, mut network: dsfeat::Network) {
+fn selection(criterion: &mut Criterion, input: &Input, network: dsfeat::Network) {
     let [left, right] = &input.pairs[0];
     let (width, height) = network.input_size();
     criterion.bench_function(&format!("activation ({width} x {height})"), |b| {
         b.iter(|| network.activation(black_box(left)).unwrap());
     });
     let config = SelectionConfig { rule: SelectionRule::Activation, keep: 500, spread: Spread::Cells };
-    let mut builder = input.builder().with_selection(config, Box::new(network));
+    let mut builder = input.builder().with_selection(config, Arc::new(network));
     criterion.bench_function("stereo_frame of 500 by activation", |b| {
         b.iter(|| builder.stereo(0, 0.0, black_box(left), right).unwrap());
     });

@@ -12,9 +12,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use features::{ActivationSource, Rig, SelectionConfig, SelectionRule, Spread};
+use features::{Rig, SelectionConfig, SelectionRule, Spread};
 use geometry::GrayImage;
-use runtime::{ActivationFactory, Schedule, Selection, SequenceFeed, Setup, Silent};
+use runtime::{Schedule, Selection, SequenceFeed, Setup, Silent};
 
 /// Calls of OpenCV's ORB before and after the run; the median of all is U.
 const N_UNIT: usize = 20;
@@ -60,12 +60,15 @@ fn main() {
     let threads = rayon::current_num_threads();
     println!("{threads} threads, U: OpenCV ORB, 2000 features, one thread");
     measure("response, 2000 features", &image, &feed, &all);
-    if let Err(error) = dsfeat::Network::load(dsfeat::Model::Hybrid.bytes(), None, 1) {
-        println!("skipped: activation, 500 features: {error}");
-        return;
-    }
+    let network = match dsfeat::Network::load(dsfeat::Model::Hybrid.bytes(), None, 1) {
+        Ok(network) => Arc::new(network),
+        Err(error) => {
+            println!("skipped: activation, 500 features: {error}");
+            return;
+        }
+    };
     let config = SelectionConfig { rule: SelectionRule::Activation, keep: 500, spread: Spread::Cells };
-    let selection = Some(Selection { config, source: Arc::new(BuiltIn) });
+    let selection = Some(Selection { config, source: network, identity: 0 });
     measure("activation, 500 features", &image, &feed, &Setup { selection, ..all });
 }
 
@@ -81,19 +84,4 @@ fn measure(name: &str, image: &GrayImage, feed: &SequenceFeed, setup: &Setup) {
         track.median / unit_ms,
         track.p95
     );
-}
-
-/// The network that is part of the program, on one thread.
-#[derive(Debug)]
-struct BuiltIn;
-
-impl ActivationFactory for BuiltIn {
-    fn open(&self) -> Result<Box<dyn ActivationSource>, String> {
-        let network = dsfeat::Network::load(dsfeat::Model::Hybrid.bytes(), None, 1);
-        network.map(|network| Box::new(network) as Box<dyn ActivationSource>).map_err(|e| e.to_string())
-    }
-
-    fn identity(&self) -> u64 {
-        0
-    }
 }

@@ -13,11 +13,12 @@ use std::sync::atomic::AtomicBool;
 
 use eval::{Alignment, Association};
 use features::{
-    ActivationMap, ActivationSource, ExtractorConfig, Rig, SelectionConfig, SelectionRule, Spread,
+    ActivationError, ActivationMap, ActivationSource, ExtractorConfig, Rig, SelectionConfig, SelectionRule,
+    Spread,
 };
 use geometry::{GrayImage, Raster};
 use io::{Sequence, StampedPose, Trajectory};
-use runtime::{ActivationFactory, RunOutcome, Selection, SequenceFeed, Setup, Silent};
+use runtime::{RunOutcome, Selection, SequenceFeed, Setup, Silent};
 
 /// Pixels of an image per value of its activation map, in both directions.
 const CELL: usize = 8;
@@ -45,7 +46,11 @@ fn main() -> Result<(), Failure> {
         ("masks, nothing on what moves", SelectionRule::Semantic),
         ("masks, least there", SelectionRule::Activation),
     ] {
-        let selection = Some(Selection { config: SelectionConfig { rule, ..config }, source: masks.clone() });
+        let selection = Some(Selection {
+            config: SelectionConfig { rule, ..config },
+            source: masks.clone(),
+            identity: 1,
+        });
         report(name, &run(&feed, &Setup { selection, ..setup(&sequence, CANDIDATES)? })?, &truth)?;
     }
     Ok(())
@@ -131,17 +136,7 @@ fn hash(image: &GrayImage) -> u64 {
 }
 
 impl ActivationSource for Masks {
-    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String> {
-        self.maps.get(&hash(image)).cloned().ok_or_else(|| "an image without a mask".to_owned())
-    }
-}
-
-impl ActivationFactory for Masks {
-    fn open(&self) -> Result<Box<dyn ActivationSource>, String> {
-        Ok(Box::new(self.clone()))
-    }
-
-    fn identity(&self) -> u64 {
-        1
+    fn activation(&self, image: &GrayImage) -> Result<ActivationMap, ActivationError> {
+        self.maps.get(&hash(image)).cloned().ok_or(ActivationError::Unknown)
     }
 }

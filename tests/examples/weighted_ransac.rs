@@ -84,11 +84,11 @@ fn pairs(sequence: &Sequence, model: &[u8]) -> Result<Vec<Pair>, Failure> {
     let rig = Arc::new(Rig { stereo: calibration.rig, distortion: calibration.distortion, width, height });
     let stereo = StereoConfig::default();
     let mut builder = FrameBuilder::new(rig, ExtractorConfig::default(), stereo, DepthConfig::default());
-    let mut network = dsfeat::Network::load(model, None, 1)?;
+    let network = dsfeat::Network::load(model, None, 1)?;
     let mut view = |i: usize| -> Result<View, Failure> {
         let images = io::load_frame(&sequence.frames[i])?;
         let right = images.right.ok_or("there is no right image")?;
-        let frame = builder.stereo(i as u32, i as f64, &images.left, &right)?;
+        let (frame, _) = builder.stereo(i as u32, i as f64, &images.left, &right)?;
         let map = network.activation(&images.left)?;
         let mask = mask_of(&sequence.frames[i].left);
         Ok(View {

@@ -1,6 +1,6 @@
 //! What a selection keeps of the candidates of an image, and what it drops.
 
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use dsfeat::Network;
 use features::{ActivationMap, Features, Keypoint, SelectionConfig};
 
@@ -28,11 +28,10 @@ impl Selected {
     /// A network that cannot be used.
     pub(crate) fn of(picture: &mut Picture, args: &NetworkArgs) -> Result<Self> {
         let Picture { image, extractor, settings, .. } = picture;
-        let (mut network, rule) = dsslam::open_network(settings, &args.options())?;
-        let map = network.activation(image).map_err(|reason| anyhow!(reason))?;
+        let (network, rule) = dsslam::open_network(settings, &args.options())?;
         let candidates = extractor.extract(image).keypoints;
-        let chosen = extractor.extract_selected(image, &rule, &mut map.clone());
-        let (kept, _) = chosen.map_err(|reason| anyhow!(reason))?;
+        let features::Selected { features: kept, map, .. } =
+            extractor.extract_selected(image, &rule, &network)?;
         let dropped = without(&candidates, &kept.keypoints);
         Ok(Self { network, rule, map, kept, dropped })
     }

@@ -6,7 +6,6 @@ use runtime::{FrameRecord, RunOutcome, Timings};
 use serde::{Serialize, Serializer};
 
 use crate::clock;
-use crate::tables;
 
 /// Everything that a script may want to know of a run. Keys are never renamed; what is not defined is `null`.
 #[derive(Clone, Debug, Serialize)]
@@ -230,7 +229,7 @@ fn as_object<S: Serializer>(stages: &[(&'static str, StageTimes)], to: S) -> Res
 fn frames_without_pose(records: &[FrameRecord]) -> Vec<WithoutPose> {
     let without = |record: &FrameRecord| {
         let reason = record.status.reason()?;
-        let state = tables::state(&record.status);
+        let state = record.status.state().key();
         Some(WithoutPose { frame: record.index, state, reason })
     };
     records.iter().filter_map(without).collect()

@@ -1,6 +1,6 @@
 //! The tables of a run: the outcome of each frame, the loops that were verified, the time of each stage.
 
-use runtime::{FrameRecord, FrameStatus, LoopRecord, LoopResult, Timings};
+use runtime::{FrameRecord, LoopRecord, LoopResult, Timings};
 
 /// `frames.csv`: a row per frame. Frames with equal `submap` have poses in one coordinate frame; it is the keyframe that
 /// the sub-map grew from.
@@ -14,21 +14,11 @@ pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
             "{},{},{},{submap},{inliers},{}\n",
             record.index,
             record.timestamp_s,
-            state(&record.status),
+            record.status.state().key(),
             quoted(&reason)
         ));
     }
     text
-}
-
-/// Outcome of a frame, in one word.
-pub(crate) fn state(status: &FrameStatus) -> &'static str {
-    match status {
-        FrameStatus::Tracked { .. } => "tracked",
-        FrameStatus::NotReady(_) => "not_ready",
-        FrameStatus::Lost(_) => "lost",
-        FrameStatus::Dropped(_) => "dropped",
-    }
 }
 
 /// `loops.csv`: a row per loop that was looked at closely.

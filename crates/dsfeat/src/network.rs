@@ -2,8 +2,9 @@
 
 use std::fmt;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
-use features::{ActivationMap, ActivationSource};
+use features::{ActivationError, ActivationMap, ActivationSource};
 use geometry::{GrayImage, Raster};
 use ort::value::{Outlet, TensorElementType, ValueType};
 
@@ -15,9 +16,10 @@ const MAX_SIDE: usize = 8192;
 
 /// A loaded model with its buffers. The same image gives the same map, for any number of threads.
 pub struct Network {
-    model: ImageModel,
     width: usize,
     height: usize,
+    /// One image at a time.
+    model: Mutex<ImageModel>,
 }
 
 impl Network {
@@ -37,7 +39,7 @@ impl Network {
         };
         let (width, height) = image_size(input)?;
         check_output(output)?;
-        Ok(Self { model, width, height })
+        Ok(Self { width, height, model: Mutex::new(model) })
     }
 
     /// Width and height of the network's input, pixels.
@@ -51,8 +53,9 @@ impl Network {
     ///
     /// # Errors
     /// An empty image, a failure of ONNX Runtime, or an output that is not a map.
-    pub fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, Error> {
-        let output = self.model.run(image, (self.width, self.height), 1)?.swap_remove(0);
+    pub fn activation(&self, image: &GrayImage) -> Result<ActivationMap, Error> {
+        let mut model = self.model.lock().unwrap_or_else(PoisonError::into_inner);
+        let output = model.run(image, (self.width, self.height), 1)?.swap_remove(0);
         let map = match output.shape[..] {
             [1, 1, rows, columns] => Raster::from_vec(columns, rows, output.values),
             _ => None,
@@ -65,8 +68,11 @@ impl Network {
 }
 
 impl ActivationSource for Network {
-    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String> {
-        Network::activation(self, image).map_err(|error| error.to_string())
+    fn activation(&self, image: &GrayImage) -> Result<ActivationMap, ActivationError> {
+        Network::activation(self, image).map_err(|error| match error {
+            Error::Failed(reason) => ActivationError::Failed(reason),
+            other => ActivationError::Failed(other.to_string()),
+        })
     }
 }
 

@@ -35,7 +35,7 @@ fn image(width: usize, height: usize) -> GrayImage {
 #[test]
 fn the_map_is_what_the_model_computes_of_the_image() {
     let Some(network) = load(&file("mean_4.onnx"), 1) else { return };
-    let mut network = network.unwrap();
+    let network = network.unwrap();
     assert_eq!(network.input_size(), (64, 32));
     let image = image(64, 32);
     let map = network.activation(&image).unwrap();
@@ -53,7 +53,7 @@ fn the_map_is_what_the_model_computes_of_the_image() {
 #[test]
 fn an_image_of_any_size_is_covered_from_corner_to_corner() {
     let Some(network) = load(&file("mean_4.onnx"), 1) else { return };
-    let mut network = network.unwrap();
+    let network = network.unwrap();
     for (width, height) in [(1241, 376), (640, 480), (20, 10)] {
         let bright_below = GrayImage::from_fn(width, height, |_, y| if y < height / 2 { 0 } else { 255 });
         let map = network.activation(&bright_below).unwrap();
@@ -69,7 +69,7 @@ fn the_same_bits_for_any_number_of_threads() {
         let image = image(1241, 376);
         let once = network.unwrap().activation(&image).unwrap();
         for threads in [1, 2, 4] {
-            let mut network = Network::load(model.bytes(), None, threads).unwrap();
+            let network = Network::load(model.bytes(), None, threads).unwrap();
             for _ in 0..2 {
                 assert!(network.activation(&image).unwrap() == once, "{model:?} with {threads} threads");
             }
@@ -97,7 +97,7 @@ fn other_models_are_refused() {
 #[test]
 fn a_map_of_what_is_no_number_is_refused() {
     let Some(network) = load(&file("not_a_number.onnx"), 1) else { return };
-    let mut network = network.unwrap();
+    let network = network.unwrap();
     assert!(network.activation(&GrayImage::new(64, 32, 9)).is_ok());
     let error = network.activation(&GrayImage::new(64, 32, 0)).unwrap_err().to_string();
     assert!(error.starts_with("the network failed: its output"), "{error}");

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use dsfeat::{Model, Network};
-use features::{ActivationSource, ExtractorConfig, SelectionConfig, SelectionRule};
-use runtime::{ActivationFactory, Selection};
+use features::{ExtractorConfig, SelectionConfig, SelectionRule};
+use runtime::Selection;
 use sha2::{Digest, Sha256};
 
 use crate::Error;
@@ -32,26 +32,20 @@ struct Opener {
 }
 
 impl Opener {
+    /// A number for the model, which the maps depend on beside the image.
+    fn identity(&self) -> u64 {
+        let digest = Sha256::digest(&self.model);
+        digest.iter().take(8).fold(0, |number, byte| number << 8 | u64::from(*byte))
+    }
+
     fn network(&self) -> Result<Network, Error> {
         Network::load(&self.model, self.library.as_deref(), self.threads)
             .map_err(|problem| Error::Network { origin: self.origin.clone(), problem })
     }
 }
 
-impl ActivationFactory for Opener {
-    fn open(&self) -> Result<Box<dyn ActivationSource>, String> {
-        let network = self.network().map_err(|error| error.to_string())?;
-        Ok(Box::new(network))
-    }
-
-    fn identity(&self) -> u64 {
-        let digest = Sha256::digest(&self.model);
-        digest.iter().take(8).fold(0, |number, byte| number << 8 | u64::from(*byte))
-    }
-}
-
-/// How the settings choose features; `None` where no network takes part. The network is opened once, so that whatever is
-/// wrong with it is known before the first image.
+/// How the settings choose features; `None` where no network takes part. The network is opened here, so that whatever
+/// is wrong with it is known before the first image.
 ///
 /// # Errors
 /// A model or a library that cannot be used.
@@ -61,8 +55,8 @@ pub(crate) fn selection(
 ) -> Result<Option<Selection>, Error> {
     let Some((config, model)) = chosen(settings) else { return Ok(None) };
     let opener = opener(model, options, settings.network_threads)?;
-    opener.network()?;
-    Ok(Some(Selection { config, source: Arc::new(opener) }))
+    let (source, identity) = (Arc::new(opener.network()?), opener.identity());
+    Ok(Some(Selection { config, source, identity }))
 }
 
 /// The network of the settings, which must not be those of a selection without one, and how it chooses features.

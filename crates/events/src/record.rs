@@ -85,13 +85,21 @@ pub enum FrameState {
 }
 
 impl FrameState {
-    /// In one word.
-    pub fn name(self) -> &'static str {
+    /// In one word for programs and tables.
+    pub fn key(self) -> &'static str {
         match self {
-            FrameState::NotReady => "not ready",
+            FrameState::NotReady => "not_ready",
             FrameState::Tracked => "tracked",
             FrameState::Lost => "lost",
             FrameState::Dropped => "dropped",
+        }
+    }
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            FrameState::NotReady => "not ready",
+            other => other.key(),
         }
     }
 }

@@ -56,10 +56,10 @@ fn stages(criterion: &mut Criterion) {
     let configs = (ExtractorConfig::default(), StereoConfig::default(), DepthConfig::default());
     let mut builder = FrameBuilder::new(rig(&left), configs.0, configs.1, configs.2);
     group.bench_function("stereo frame", |b| {
-        b.iter(|| black_box(builder.stereo(0, 0.0, &left, &right).expect("no selection can fail")))
+        b.iter(|| black_box(builder.stereo(0, 0.0, &left, &right).expect("no selection can fail").0))
     });
 
-    let frame = builder.stereo(0, 0.0, &left, &right).expect("no selection can fail");
+    let frame = builder.stereo(0, 0.0, &left, &right).expect("no selection can fail").0;
     let queries: Vec<ProjectionQuery> = (0..frame.len()).map(|i| query(&frame, i)).collect();
     let free = vec![true; frame.len()];
     group.bench_function("windows", |b| b.iter(|| black_box(search_windows(&frame, &queries, &free))));

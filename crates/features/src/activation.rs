@@ -13,18 +13,30 @@ pub struct ActivationMap {
     rows_per_pixel: f32,
 }
 
-/// Makes the activation map of an image; a network outside this crate, or anything else in tests.
-pub trait ActivationSource: Debug + Send {
+/// Makes the activation map of an image; a network outside this crate, or anything else in tests. Equal images give equal maps,
+/// so that several frame builders can share a source.
+pub trait ActivationSource: Debug + Send + Sync {
     /// The map of `image`.
     ///
     /// # Errors
-    /// Why there is none, in words.
-    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String>;
+    /// Why there is none.
+    fn activation(&self, image: &GrayImage) -> Result<ActivationMap, ActivationError>;
+}
+
+/// Why an image has no activation map.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ActivationError {
+    /// The network did not run, or its output is not a map.
+    #[error("the network failed: {0}")]
+    Failed(String),
+    /// The source has maps of other images only.
+    #[error("there is no activation map of this image")]
+    Unknown,
 }
 
 /// A map that has been made already, whatever the image.
 impl ActivationSource for ActivationMap {
-    fn activation(&mut self, _: &GrayImage) -> Result<ActivationMap, String> {
+    fn activation(&self, _: &GrayImage) -> Result<ActivationMap, ActivationError> {
         Ok(self.clone())
     }
 }

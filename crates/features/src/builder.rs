@@ -1,9 +1,9 @@
 //! From images to a [`Frame`]: extraction, undistortion, depth of the features.
 
-use crate::activation::{ActivationMap, ActivationSource};
+use crate::activation::{ActivationError, ActivationMap, ActivationSource};
 use crate::config::ExtractorConfig;
 use crate::depth::DepthConfig;
-use crate::extractor::Extractor;
+use crate::extractor::{Extractor, Selected};
 use crate::frame::{Frame, Rig};
 use crate::keypoint::{Features, Keypoint};
 use crate::mask::FeatureMask;
@@ -23,27 +23,14 @@ pub struct FrameBuilder {
     matcher: StereoMatcher,
     depth: DepthConfig,
     disparity_offset_px: f32,
-    selection: Option<(SelectionConfig, Kept)>,
+    selection: Option<Selection>,
 }
 
-/// A source whose last map can be kept.
-#[derive(Debug)]
-struct Kept {
-    source: Box<dyn ActivationSource>,
-    is_wanted: bool,
-    last: Option<ActivationMap>,
-}
+/// How features are selected, and what by.
+type Selection = (SelectionConfig, Arc<dyn ActivationSource>);
 
-impl ActivationSource for Kept {
-    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String> {
-        let map = self.source.activation(image)?;
-        self.last = self.is_wanted.then(|| map.clone());
-        Ok(map)
-    }
-}
-
-/// Features and how far each is trusted.
-type Trusted = (Features, Vec<f32>);
+/// A frame, with the activation map of its (left) image if features are selected by one.
+pub type BuiltFrame = (Frame, Option<ActivationMap>);
 
 impl FrameBuilder {
     /// A builder for this camera.
@@ -64,21 +51,9 @@ impl FrameBuilder {
     /// From now on keeps of the features only those that `config` selects by the activation maps of `source`; the number
     /// of the extractor's settings is that of the candidates.
     #[must_use]
-    pub fn with_selection(mut self, config: SelectionConfig, source: Box<dyn ActivationSource>) -> Self {
-        self.selection = Some((config, Kept { source, is_wanted: false, last: None }));
+    pub fn with_selection(mut self, config: SelectionConfig, source: Arc<dyn ActivationSource>) -> Self {
+        self.selection = Some((config, source));
         self
-    }
-
-    /// Keeps from now on the activation map of each frame for [`FrameBuilder::take_activation_map`].
-    pub fn keep_activation_maps(&mut self) {
-        if let Some((_, kept)) = &mut self.selection {
-            kept.is_wanted = true;
-        }
-    }
-
-    /// The activation map of the last frame's (left) image; `None` without a selection, or if it was not to be kept.
-    pub fn take_activation_map(&mut self) -> Option<ActivationMap> {
-        self.selection.as_mut()?.1.last.take()
     }
 
     /// Adds `offset_px` to every disparity from now on: a correction of the stereo calibration, pixels of level 0.
@@ -116,33 +91,34 @@ impl FrameBuilder {
         timestamp_s: f64,
         left: &GrayImage,
         right: &GrayImage,
-    ) -> Result<Frame, String> {
+    ) -> Result<BuiltFrame, ActivationError> {
         let Self { rig, extractor, right_pyramid, matcher, disparity_offset_px, selection, .. } = self;
         let scales = Arc::clone(extractor.scales());
         let same_size = left.width == right.width && left.height == right.height;
         let (extracted, ()) = rayon::join(
-            || extract(extractor, selection, left),
+            || extract(extractor, selection.as_ref(), left),
             || {
                 if same_size {
                     right_pyramid.build(Simd::detect(), &scales, right)
                 }
             },
         );
-        let (features, activation) = extracted?;
+        let extracted = extracted?;
         let disparities = if same_size {
             let pair = StereoPair { left: extractor.pyramid(), right: right_pyramid };
-            matcher.disparities(rig, pair, &features.keypoints)
+            matcher.disparities(rig, pair, &extracted.features.keypoints)
         } else {
-            vec![f32::NAN; features.keypoints.len()]
+            vec![f32::NAN; extracted.features.keypoints.len()]
         };
-        let features = undistorted(rig, features);
-        let right_u = features
+        let extracted = extracted.undistorted(rig);
+        let right_u = extracted
+            .features
             .keypoints
             .iter()
             .zip(disparities)
             .map(|(k, d)| k.x - corrected(d, *disparity_offset_px))
             .collect();
-        Ok(self.frame(index, timestamp_s, (features, activation), right_u))
+        Ok(self.frame(index, timestamp_s, extracted, right_u))
     }
 
     /// A frame of a grey image and a depth image registered to it.
@@ -155,56 +131,63 @@ impl FrameBuilder {
         timestamp_s: f64,
         gray: &GrayImage,
         depth: &DepthImage,
-    ) -> Result<Frame, String> {
-        let (features, activation) = extract(&mut self.extractor, &mut self.selection, gray)?;
-        let depths: Vec<_> = features.keypoints.iter().map(|k| self.depth.depth_at(depth, k)).collect();
-        let features = undistorted(&self.rig, features);
+    ) -> Result<BuiltFrame, ActivationError> {
+        let extracted = extract(&mut self.extractor, self.selection.as_ref(), gray)?;
+        let depths: Vec<_> =
+            extracted.features.keypoints.iter().map(|k| self.depth.depth_at(depth, k)).collect();
+        let extracted = extracted.undistorted(&self.rig);
         let bf = self.rig.stereo.bf();
         let virtual_column =
             |(k, d): (&Keypoint, Option<f64>)| d.map_or(f32::NAN, |d| (f64::from(k.x) - bf / d) as f32);
-        let right_u = features.keypoints.iter().zip(depths).map(virtual_column).collect();
-        Ok(self.frame(index, timestamp_s, (features, activation), right_u))
+        let right_u = extracted.features.keypoints.iter().zip(depths).map(virtual_column).collect();
+        Ok(self.frame(index, timestamp_s, extracted, right_u))
     }
 
     /// A frame of a single image: no depths.
     ///
     /// # Errors
     /// Those of the activation source; none without a selection.
-    pub fn mono(&mut self, index: u32, timestamp_s: f64, gray: &GrayImage) -> Result<Frame, String> {
-        let (features, activation) = extract(&mut self.extractor, &mut self.selection, gray)?;
-        let features = undistorted(&self.rig, features);
-        let right_u = vec![f32::NAN; features.keypoints.len()];
-        Ok(self.frame(index, timestamp_s, (features, activation), right_u))
-    }
-
-    fn frame(
-        &self,
+    pub fn mono(
+        &mut self,
         index: u32,
         timestamp_s: f64,
-        (features, activation): Trusted,
-        right_u: Vec<f32>,
-    ) -> Frame {
+        gray: &GrayImage,
+    ) -> Result<BuiltFrame, ActivationError> {
+        let extracted = extract(&mut self.extractor, self.selection.as_ref(), gray)?;
+        let extracted = extracted.undistorted(&self.rig);
+        let right_u = vec![f32::NAN; extracted.features.keypoints.len()];
+        Ok(self.frame(index, timestamp_s, extracted, right_u))
+    }
+
+    fn frame(&self, index: u32, timestamp_s: f64, extracted: Extracted, right_u: Vec<f32>) -> BuiltFrame {
+        let Extracted { features, activation, map } = extracted;
         let (rig, scales) = (Arc::clone(&self.rig), Arc::clone(self.extractor.scales()));
         let mut frame = Frame::new(index, timestamp_s, rig, scales, features, right_u);
         frame.activation = activation;
-        frame
+        (frame, map)
     }
+}
+
+/// The features of an image, how far each is trusted, and the map that says so.
+struct Extracted {
+    features: Features,
+    activation: Vec<f32>,
+    map: Option<ActivationMap>,
 }
 
 /// The features of an image, selected if there is a selection; without one each has the activation 1.
 fn extract(
     extractor: &mut Extractor,
-    selection: &mut Option<(SelectionConfig, Kept)>,
+    selection: Option<&Selection>,
     image: &GrayImage,
-) -> Result<Trusted, String> {
-    match selection {
-        Some((config, source)) => extractor.extract_selected(image, config, source),
-        None => {
-            let features = extractor.extract(image);
-            let activation = vec![1.0; features.keypoints.len()];
-            Ok((features, activation))
-        }
-    }
+) -> Result<Extracted, ActivationError> {
+    let Some((config, source)) = selection else {
+        let features = extractor.extract(image);
+        let activation = vec![1.0; features.keypoints.len()];
+        return Ok(Extracted { features, activation, map: None });
+    };
+    let Selected { features, activation, map } = extractor.extract_selected(image, config, &**source)?;
+    Ok(Extracted { features, activation, map: Some(map) })
 }
 
 /// A disparity with its offset; NaN when nothing above zero is left.
@@ -213,13 +196,15 @@ fn corrected(disparity: f32, offset_px: f32) -> f32 {
     if disparity > 0.0 { disparity } else { f32::NAN }
 }
 
-/// Moves the key-points to where an ideal lens would have shown them.
-fn undistorted(rig: &Rig, mut features: Features) -> Features {
-    if !rig.distortion.is_zero() {
-        for keypoint in &mut features.keypoints {
-            let place = rig.undistort(&Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y)));
-            (keypoint.x, keypoint.y) = (place.x as f32, place.y as f32);
+impl Extracted {
+    /// The keypoints moved to where an ideal lens would have shown them.
+    fn undistorted(mut self, rig: &Rig) -> Self {
+        if !rig.distortion.is_zero() {
+            for keypoint in &mut self.features.keypoints {
+                let place = rig.undistort(&Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y)));
+                (keypoint.x, keypoint.y) = (place.x as f32, place.y as f32);
+            }
         }
+        self
     }
-    features
 }

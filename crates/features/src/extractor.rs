@@ -1,6 +1,6 @@
 //! ORB features of an image (Rublee et al., ICCV 2011) with the distribution of ORB-SLAM2.
 
-use crate::activation::{ActivationMap, ActivationSource};
+use crate::activation::{ActivationError, ActivationMap, ActivationSource};
 use crate::config::ExtractorConfig;
 use crate::descriptor::Descriptor;
 use crate::detect::{Detector, region};
@@ -41,6 +41,17 @@ struct Worker {
     blurred: Plane,
     line: Vec<i16>,
     features: Features,
+}
+
+/// What a selection keeps of an image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selected {
+    /// The features kept.
+    pub features: Features,
+    /// Activation of each, 0 to 1.
+    pub activation: Vec<f32>,
+    /// What the source thinks of the image.
+    pub map: ActivationMap,
 }
 
 impl Extractor {
@@ -94,12 +105,13 @@ impl Extractor {
         &mut self,
         image: &GrayImage,
         selection: &SelectionConfig,
-        source: &mut dyn ActivationSource,
-    ) -> Result<(Features, Vec<f32>), String> {
+        source: &dyn ActivationSource,
+    ) -> Result<Selected, ActivationError> {
         let (map, ()) = rayon::join(|| source.activation(image), || self.detect(image));
-        let activation = self.select(&map?, selection, (image.width, image.height));
+        let map = map?;
+        let activation = self.select(&map, selection, (image.width, image.height));
         self.on_levels(|worker, level| worker.describe(&level));
-        Ok((self.collect(), activation))
+        Ok(Selected { features: self.collect(), activation, map })
     }
 
     /// Leaves the candidates of `image` in the workers.

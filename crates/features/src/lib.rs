@@ -29,14 +29,14 @@ mod selection;
 mod stereo;
 mod window;
 
-pub use activation::{ActivationMap, ActivationSource};
+pub use activation::{ActivationError, ActivationMap, ActivationSource};
 pub use brute_force::match_brute_force;
-pub use builder::FrameBuilder;
+pub use builder::{BuiltFrame, FrameBuilder};
 pub use config::ExtractorConfig;
 pub use depth::{DepthConfig, EDGE_REACH_PX};
 pub use descriptor::Descriptor;
 pub use epipolar::{EpipolarRange, search_epipolar, search_epipolar_all};
-pub use extractor::Extractor;
+pub use extractor::{Extractor, Selected};
 pub use frame::{Bounds, Frame, Rig};
 pub use keypoint::{Features, Keypoint};
 pub use mask::FeatureMask;

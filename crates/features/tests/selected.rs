@@ -5,7 +5,8 @@ mod common;
 
 use common::{config, render};
 use dsslam_features::{
-    ActivationMap, ActivationSource, Extractor, Features, SelectionConfig, SelectionRule, Spread,
+    ActivationError, ActivationMap, ActivationSource, Extractor, Features, SelectionConfig, SelectionRule,
+    Spread,
 };
 use geometry::{GrayImage, Raster};
 
@@ -14,8 +15,8 @@ use geometry::{GrayImage, Raster};
 struct Fixed(Raster<f32>);
 
 impl ActivationSource for Fixed {
-    fn activation(&mut self, image: &GrayImage) -> Result<ActivationMap, String> {
-        ActivationMap::new(self.0.clone(), image.width, image.height).ok_or_else(|| "no map".to_owned())
+    fn activation(&self, image: &GrayImage) -> Result<ActivationMap, ActivationError> {
+        ActivationMap::new(self.0.clone(), image.width, image.height).ok_or(ActivationError::Unknown)
     }
 }
 
@@ -28,7 +29,8 @@ fn image() -> GrayImage {
 
 fn selected(selection: SelectionConfig, map: Raster<f32>) -> (Features, Vec<f32>) {
     let mut extractor = Extractor::new(config());
-    extractor.extract_selected(&image(), &selection, &mut Fixed(map)).expect("the map is one")
+    let selected = extractor.extract_selected(&image(), &selection, &Fixed(map)).expect("the map is one");
+    (selected.features, selected.activation)
 }
 
 /// Activation `left` in the left half of the image and `right` in the right.
@@ -126,10 +128,11 @@ fn the_number_of_threads_does_not_matter() {
 #[test]
 fn a_source_without_a_map_gives_its_reason() {
     let mut extractor = Extractor::new(config());
-    let nothing = &mut Fixed(Raster::new(0, 0, 0.0));
-    assert_eq!(extractor.extract_selected(&image(), &ACTIVATION, nothing), Err("no map".to_owned()));
-    let (features, activation) = extractor
-        .extract_selected(&GrayImage::new(20, 20, 9), &ACTIVATION, &mut Fixed(Raster::new(1, 1, 1.0)))
+    let nothing = &Fixed(Raster::new(0, 0, 0.0));
+    let refused = extractor.extract_selected(&image(), &ACTIVATION, nothing);
+    assert_eq!(refused, Err(ActivationError::Unknown));
+    let selected = extractor
+        .extract_selected(&GrayImage::new(20, 20, 9), &ACTIVATION, &Fixed(Raster::new(1, 1, 1.0)))
         .expect("too small an image has no features");
-    assert!(features.keypoints.is_empty() && activation.is_empty());
+    assert!(selected.features.keypoints.is_empty() && selected.activation.is_empty());
 }

@@ -12,7 +12,7 @@ fn builder(rig: &Arc<Rig>) -> FrameBuilder {
 }
 
 fn frame(left: &GrayImage, right: &GrayImage) -> Frame {
-    builder(&rig()).stereo(0, 0.0, left, right).expect("no selection can fail")
+    builder(&rig()).stereo(0, 0.0, left, right).expect("no selection can fail").0
 }
 
 /// Disparities that were found, with their features.
@@ -109,7 +109,7 @@ fn disparities_lie_between_zero_and_the_nearest_depth() {
         let (left, right) = stereo_pair(|_| truth);
         let settings = StereoConfig { min_depth_m: Some(2.5), ..StereoConfig::default() };
         let mut builder = FrameBuilder::new(Arc::clone(&rig), config(), settings, DepthConfig::default());
-        let frame = builder.stereo(0, 0.0, &left, &right).unwrap();
+        let frame = builder.stereo(0, 0.0, &left, &right).unwrap().0;
         let found = disparities(&frame);
         assert!(found.iter().all(|&(_, d)| d > 0.0 && d < 120.0), "{truth}");
         let n_right = found.iter().filter(|&&(_, d)| (d - truth).abs() < 0.5).count();
@@ -141,7 +141,7 @@ fn same_bits_for_any_number_of_threads_and_any_history() {
     let mut used = builder(&rig);
     used.stereo(0, 0.0, &GrayImage::new(200, 100, 3), &GrayImage::new(200, 100, 4)).unwrap();
     for n in [2, 5] {
-        let again = with_threads(n, || used.stereo(1, 0.1, &left, &right).unwrap());
+        let again = with_threads(n, || used.stereo(1, 0.1, &left, &right).unwrap().0);
         assert_eq!(bits(&again), bits(&reference));
         assert_eq!(again.keypoints, reference.keypoints);
     }
@@ -186,7 +186,7 @@ fn depth_images_give_virtual_right_columns() {
     let depth = DepthImage::from_fn(WIDTH, HEIGHT, |x, _| [0, 10_000, 65_000][(x / third).min(2)]);
     let settings = DepthConfig { max_depth_m: 10.0, ..DepthConfig::default() };
     let mut builder = FrameBuilder::new(Arc::clone(&camera), config(), StereoConfig::default(), settings);
-    let frame = builder.rgbd(3, 1.5, &gray, &depth).unwrap();
+    let frame = builder.rgbd(3, 1.5, &gray, &depth).unwrap().0;
     let detected = dsslam_features::Extractor::new(config()).extract(&gray).keypoints;
     assert_eq!((frame.index, frame.timestamp_s, frame.len()), (3, 1.5, detected.len()));
     let mut n_known = 0;
@@ -210,12 +210,12 @@ fn depth_images_give_virtual_right_columns() {
     }
     assert!(n_known > 100);
     // A depth image of another size is read where it exists.
-    assert_eq!(builder.rgbd(4, 1.6, &gray, &DepthImage::default()).unwrap().n_with_depth(), 0);
+    assert_eq!(builder.rgbd(4, 1.6, &gray, &DepthImage::default()).unwrap().0.n_with_depth(), 0);
 }
 
 #[test]
 fn a_single_image_has_no_depth() {
-    let frame = builder(&rig()).mono(7, 2.5, &render(|x, y| (x, y))).unwrap();
+    let frame = builder(&rig()).mono(7, 2.5, &render(|x, y| (x, y))).unwrap().0;
     assert!(frame.len() > 500);
     assert_eq!(frame.n_with_depth(), 0);
     assert!(frame.activation.iter().all(|&a| a == 1.0) && frame.activation.len() == frame.len());

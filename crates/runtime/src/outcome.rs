@@ -4,12 +4,12 @@ use map::{KeyframeId, Map, RelativePose};
 use slam::World;
 
 use crate::failure::StageFailure;
-use crate::job::Plan;
-use crate::journal::Journal;
-use crate::map_log::MapLog;
-use crate::record::{FrameRecord, RunOutcome};
+use crate::journal::{Journal, Operation};
+use crate::record::{FrameRecord, LoopRecord, RunOutcome, Statistics};
+use crate::run::Plan;
+use crate::services::StageTimes;
+use crate::stages::track::{TrackLog, TrackedFrame};
 use crate::timings::Timings;
-use crate::track::{TrackLog, TrackedFrame};
 
 /// What a schedule leaves.
 pub(crate) struct Parts {
@@ -84,4 +84,28 @@ fn records(tracked: Vec<TrackedFrame>, mapping: &MapLog, map: &Map) -> Vec<Frame
         last = relative.or(last);
     }
     records
+}
+
+/// A frame that became a keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct InsertedFrame {
+    /// Position in the feed.
+    pub(crate) n: usize,
+    /// Number in its sequence.
+    pub(crate) index: u32,
+    pub(crate) keyframe: KeyframeId,
+}
+
+/// Complete up to the last operation, even if the stage fails at the next.
+#[derive(Default)]
+pub(crate) struct MapLog {
+    pub(crate) operations: Vec<Operation>,
+    /// In the order of their ids.
+    pub(crate) inserted: Vec<InsertedFrame>,
+    pub(crate) loops: Vec<LoopRecord>,
+    pub(crate) statistics: Statistics,
+    /// Times by position of the frame that they belong to.
+    pub(crate) times: Vec<(usize, StageTimes)>,
+    /// Whether corrections were still to come when the run was interrupted.
+    pub(crate) cut_short: bool,
 }

@@ -1,5 +1,9 @@
 //! What a run leaves: a record per frame, the map, the loops, the timings.
 
+use std::fmt;
+
+use events::FrameState;
+use features::ActivationError;
 use geometry::SE3;
 use io::{ImageError, ImageSize};
 use map::{KeyframeId, Map};
@@ -8,7 +12,6 @@ use thiserror::Error;
 
 use crate::failure::StageFailure;
 use crate::journal::{Journal, JournalError};
-use crate::map_log::{LoopRecord, Statistics};
 use crate::timings::Timings;
 
 /// What became of a frame.
@@ -33,6 +36,16 @@ impl FrameStatus {
         matches!(self, FrameStatus::Tracked { .. })
     }
 
+    /// Its state alone.
+    pub fn state(&self) -> FrameState {
+        match self {
+            FrameStatus::NotReady(_) => FrameState::NotReady,
+            FrameStatus::Tracked { .. } => FrameState::Tracked,
+            FrameStatus::Lost(_) => FrameState::Lost,
+            FrameStatus::Dropped(_) => FrameState::Dropped,
+        }
+    }
+
     /// Map points that agree with its pose; `None` without a pose.
     pub fn inliers(&self) -> Option<usize> {
         match self {
@@ -48,6 +61,17 @@ impl FrameStatus {
             FrameStatus::Tracked { .. } => None,
             FrameStatus::Lost(reason) => Some(reason.to_string()),
             FrameStatus::Dropped(reason) => Some(reason.to_string()),
+        }
+    }
+}
+
+impl fmt::Display for FrameStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FrameStatus::NotReady(_) => f.write_str("waiting for initialization"),
+            FrameStatus::Tracked { inliers } => write!(f, "tracking {inliers} points"),
+            FrameStatus::Lost(_) => f.write_str("lost"),
+            FrameStatus::Dropped(_) => f.write_str("frame dropped"),
         }
     }
 }
@@ -78,8 +102,8 @@ pub enum Unusable {
     #[error("found no rectification of the {0} image")]
     Unrectified(&'static str),
     /// The network that selects features does not work.
-    #[error("{0}")]
-    Network(String),
+    #[error(transparent)]
+    Network(#[from] ActivationError),
     /// The frame came while tracking was behind.
     #[error("skipped: tracking was behind")]
     Skipped,
@@ -100,6 +124,60 @@ pub struct FrameRecord {
     /// The sub-map that the pose belongs to, named by the root of its keyframes. Poses of different sub-maps have nothing
     /// to do with each other.
     pub submap: Option<KeyframeId>,
+}
+
+/// A loop that was looked at closely.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopRecord {
+    /// Number of the frame that saw a place again.
+    pub frame: u32,
+    /// Its keyframe.
+    pub keyframe: KeyframeId,
+    /// Number of the frame of the earlier visit.
+    pub matched_frame: u32,
+    /// Its keyframe.
+    pub matched: KeyframeId,
+    /// What became of it.
+    pub result: LoopResult,
+}
+
+/// What became of a loop.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LoopResult {
+    /// The map was corrected.
+    Closed {
+        /// Matches that agree with the loop's geometry.
+        inliers: usize,
+        /// How far the keyframe moved, metres.
+        moved_m: f64,
+        /// How far it turned, degrees.
+        turned_deg: f64,
+        /// Whether two sub-maps became one.
+        joined: bool,
+    },
+    /// The places look alike, but are not the same, with the reason.
+    Rejected(String),
+    /// The map refused the correction, with the reason.
+    Refused(String),
+}
+
+/// How often things happened in a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Loops closed.
+    pub loops_closed: usize,
+    /// Loops looked at and rejected, or refused by the map.
+    pub loops_rejected: usize,
+    /// Global bundle adjustments taken over.
+    pub globals_adopted: usize,
+    /// Global bundle adjustments given up, since another loop was closed meanwhile.
+    pub globals_discarded: usize,
+    /// Sub-maps started after a lasting loss.
+    pub submaps_started: usize,
+    /// Sub-maps joined to another one by a loop.
+    pub submaps_joined: usize,
+    /// Times that a lost camera, or one in a map from a file, found its place again.
+    pub relocalisations: usize,
 }
 
 /// A run's results. Complete up to where it was interrupted or where a stage failed.

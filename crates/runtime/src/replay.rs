@@ -7,23 +7,22 @@ use std::sync::atomic::AtomicBool;
 use map::KeyframeId;
 use slam::World;
 
-use crate::corrections::{GlobalAnswer, GlobalQuestion};
 use crate::events::{Event, Observer};
-use crate::extract::ExtractStage;
 use crate::failure::{Halt, MapEnd, StageFailure, caught, map_caught};
 use crate::feed::FrameFeed;
-use crate::fetch::fetch;
-use crate::job::{Job, Plan};
 use crate::journal::{Journal, JournalError, Operation, Seen};
-use crate::map_log::MapLog;
-use crate::mapping::{MapStage, Out};
-use crate::outcome::Parts;
+use crate::outcome::{MapLog, Parts};
 use crate::record::{RunError, RunOutcome, Unusable};
-use crate::service::Answer;
+use crate::run::{Job, Plan};
+use crate::services::Answer;
+use crate::services::{GlobalAnswer, GlobalQuestion};
 use crate::setup::Setup;
+use crate::snapshot::View;
+use crate::stages::extract::ExtractStage;
+use crate::stages::fetch::fetch;
+use crate::stages::map::{MapStage, Out};
+use crate::stages::track::{Message, TrackLog, TrackStage};
 use crate::timings::Stopwatch;
-use crate::track::{Message, TrackLog, TrackStage};
-use crate::view::View;
 
 /// Does the run of a journal again; equal frames and setup give the bits of that run. The setup's schedule and lags have no
 /// meaning here.

@@ -7,20 +7,20 @@ use crossbeam::channel::{Sender, bounded};
 use io::LoadedFrame;
 
 use crate::events::{Event, FrameAnswer, Observer};
-use crate::extract::ExtractStage;
 use crate::failure::{MapEnd, StageFailure, caught, map_caught};
 use crate::faults::StageFaults;
 use crate::feed::{FrameInfo, FrameMask};
-use crate::fetch::{AHEAD, Fetched, ahead};
-use crate::job::{Job, Plan};
-use crate::map_log::MapLog;
-use crate::mapping::{MapStage, Out};
-use crate::outcome::Parts;
+use crate::lockstep::{joined, spawn};
+use crate::outcome::{MapLog, Parts};
 use crate::record::{RunError, RunOutcome, Unusable};
+use crate::run::{Job, Plan};
 use crate::setup::Setup;
-use crate::threads::{joined, spawn};
-use crate::track::{Message, TrackLog, TrackStage};
-use crate::view::{Choice, EXACT_STATES, Published, Viewer};
+use crate::snapshot::{EXACT_STATES, Published, Snapshots};
+use crate::stages::extract::ExtractStage;
+use crate::stages::fetch::{AHEAD, Fetched, Passing, ahead};
+use crate::stages::map::{MapStage, Out};
+use crate::stages::track::{Message, TrackLog, TrackStage};
+use crate::timings::Stopwatch;
 
 /// A run whose frames are pushed one by one: each is tracked, and the mapping that is due by the rule is done before
 /// [`Sequential::step`] returns. Equal frames and setup give the bits of [`run`](crate::run) by the schedules `Sequential` and
@@ -29,7 +29,7 @@ pub struct Sequential {
     plan: Arc<Plan>,
     extract: (ExtractStage, StageFaults),
     track: (TrackStage, StageFaults),
-    viewer: Viewer,
+    snapshots: Snapshots,
     map: (MapStage, StageFaults),
     publish: Sender<Published>,
     tracking: TrackLog,
@@ -70,7 +70,7 @@ impl Sequential {
         Sequential {
             extract: (ExtractStage::new(&plan), plan.faults("extract")),
             track: (TrackStage::new(&plan), plan.faults("track")),
-            viewer: Viewer::new(Choice::Exact(plan.setup.rule()), plan.start(), states),
+            snapshots: Snapshots::new(Some(plan.setup.rule()), plan.start(), states),
             map: (plan.mapping_in_turn(), plan.faults("map")),
             plan,
             publish,
@@ -107,7 +107,8 @@ impl Sequential {
         mask: Option<FrameMask>,
         observer: &mut dyn Observer,
     ) -> Result<FrameAnswer, StageFailure> {
-        self.take(Fetched { n: self.n_frames, info, images, decode_ms: 0.0, mask }, observer)
+        let (content, watch) = (images.map(|images| (images, mask)), Stopwatch::new(info.index));
+        self.take(Passing { n: self.n_frames, info, content, watch }, observer)
     }
 
     /// Brings in the corrections that are still to come, and puts the results together. Without any frame they are empty.
@@ -134,17 +135,17 @@ impl Sequential {
             extract.extract(fetched)
         });
         let extracted = extracted.map_err(Ended::Before)?;
-        let ((track, faults), viewer, log) = (&mut self.track, &mut self.viewer, &mut self.tracking);
+        let ((track, faults), snapshots, log) = (&mut self.track, &mut self.snapshots, &mut self.tracking);
         let tracked = caught("track", || {
             faults.step();
-            track.step(extracted, |_| viewer.at(n), log, emit)
+            track.step(extracted, |_| snapshots.at(n), log, emit)
         });
         // In turn, the state of the rule is always there.
         let tracked = tracked.and_then(|tracked| tracked.map_err(|_| StageFailure::gone("track")));
         let (answer, message) = tracked.map_err(Ended::Before)?;
         if let Some(message) = message {
             if message.keyframe.is_some() {
-                self.viewer.request(n);
+                self.snapshots.request(n);
             }
             self.map(&message, emit).map_err(Ended::Map)?;
         }
@@ -156,7 +157,7 @@ impl Sequential {
         let ((map, faults), publish, log) = (&mut self.map, &self.publish, &mut self.mapping);
         map_caught(|| {
             faults.step();
-            map.follow(message, rule, &mut Out { log, emit, publish: &mut shown_through(publish) })
+            map.take_in(message, Some(rule), &mut Out { log, emit, publish: &mut shown_through(publish) })
         })
     }
 
@@ -180,7 +181,7 @@ impl Sequential {
         let world = if end.is_whole {
             self.map.0.mapper.into_world()
         } else {
-            Arc::unwrap_or_clone(self.viewer.newest())
+            Arc::unwrap_or_clone(self.snapshots.newest())
         };
         let (tracking, mapping) = (self.tracking, self.mapping);
         Parts { tracking, mapping, world, frames: self.n_frames, failure: end.failure }

@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use bow::Vocabulary;
-use features::{DepthConfig, ExtractorConfig, FeatureMask, FrameBuilder, Rig, StereoConfig};
+use features::{
+    ActivationSource, DepthConfig, ExtractorConfig, FeatureMask, FrameBuilder, Rig, SelectionConfig,
+    StereoConfig,
+};
 use geometry::Sensor;
 use map::Map;
 use slam::{KeyframeDatabase, Params, World};
 
 use crate::faults::Faults;
-use crate::fingerprint::Fingerprint;
 use crate::lags::Lags;
 use crate::rule::Rule;
-use crate::selection::Selection;
 
 /// How the stages of a run share time. `Sequential` and `Lockstep` give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,6 +29,17 @@ pub enum Schedule {
         /// when tracking is ready for it.
         realtime: bool,
     },
+}
+
+/// How features are selected.
+#[derive(Clone, Debug)]
+pub struct Selection {
+    /// By what features are chosen, and how many are kept.
+    pub config: SelectionConfig,
+    /// Where the activation maps come from: an opened network.
+    pub source: Arc<dyn ActivationSource>,
+    /// A number for what the maps depend on beside the image.
+    pub identity: u64,
 }
 
 /// Camera and parameters of a run.
@@ -82,17 +94,14 @@ impl Setup {
     }
 
     /// What makes frames of images, with the mask and the selection of features.
-    ///
-    /// # Errors
-    /// Why the network of the selection cannot be opened.
-    pub fn frame_builder(&self, disparity_offset_px: f64) -> Result<FrameBuilder, String> {
+    pub fn frame_builder(&self, disparity_offset_px: f64) -> FrameBuilder {
         let (rig, extractor) = (self.rig.clone(), self.extractor.clone());
         let builder = FrameBuilder::new(rig, extractor, self.stereo.clone(), self.depth.clone())
             .with_disparity_offset(disparity_offset_px)
             .with_mask(self.mask.clone());
         match &self.selection {
-            None => Ok(builder),
-            Some(Selection { config, source }) => Ok(builder.with_selection(*config, source.open()?)),
+            None => builder,
+            Some(Selection { config, source, .. }) => builder.with_selection(*config, source.clone()),
         }
     }
 
@@ -116,11 +125,50 @@ impl Setup {
         let extractor = ExtractorConfig { network_threads: 1, ..self.extractor.clone() };
         print.add(format!("{:?}", (self.sensor, &self.rig, &extractor, &self.stereo)).as_bytes());
         print.add(format!("{:?}", (&self.depth, &self.slam)).as_bytes());
-        let selection = self.selection.as_ref().map(|s| (s.config, s.source.identity()));
+        let selection = self.selection.as_ref().map(|s| (s.config, s.identity));
         print.add(format!("{selection:?}").as_bytes());
         print.add(self.vocabulary.as_ref().map_or(&[][..], |vocabulary| vocabulary.as_bytes()));
         print.add(&self.start.as_ref().map_or(0, Map::digest).to_le_bytes());
         self.mask.iter().flat_map(|mask| mask.bytes()).for_each(|level| print.add(level));
         print.value()
+    }
+}
+
+/// FNV-1a over bytes.
+pub(crate) struct Fingerprint(u64);
+
+impl Default for Fingerprint {
+    fn default() -> Self {
+        Fingerprint(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fingerprint {
+    /// Adds a part; its length counts, so that parts cannot run into each other.
+    pub(crate) fn add(&mut self, part: &[u8]) {
+        for byte in (part.len() as u64).to_le_bytes().iter().chain(part) {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+
+    /// The number.
+    pub(crate) fn value(&self) -> u64 {
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_do_not_run_into_each_other() {
+        let of = |parts: [&[u8]; 2]| {
+            let mut print = Fingerprint::default();
+            parts.iter().for_each(|part| print.add(part));
+            print.value()
+        };
+        assert_ne!(of([b"ab", b"c"]), of([b"a", b"bc"]));
+        assert_eq!(of([b"ab", b"c"]), of([b"ab", b"c"]));
     }
 }

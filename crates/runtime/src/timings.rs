@@ -92,11 +92,6 @@ impl Stopwatch {
         result
     }
 
-    /// Adds a time that was measured elsewhere.
-    pub(crate) fn add(&mut self, name: &'static str, ms: f64) {
-        self.row.stages.push((name, ms));
-    }
-
     /// Adds to the time that was recorded last, milliseconds.
     pub(crate) fn add_to_last(&mut self, ms: f64) {
         if let Some((_, last)) = self.row.stages.last_mut() {
@@ -144,13 +139,6 @@ impl Pace {
         let left = due.saturating_sub(now().duration_since(self.start));
         !matches!(open.recv_timeout(left), Err(RecvTimeoutError::Disconnected))
     }
-}
-
-/// Times `work` in milliseconds.
-pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
-    let start = now();
-    let result = work();
-    (result, milliseconds(start))
 }
 
 #[cfg(test)]

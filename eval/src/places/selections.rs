@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use bow::{Transformed, Vocabulary};
 use dsfeat::{Model, Network};
 use features::{
@@ -102,7 +102,7 @@ impl Describer {
                 None => everywhere(image)?,
             };
             sights.push(match &dense {
-                None => sparse(&mut self.extractor, image, map, config, &self.words)?,
+                None => sparse(&mut self.extractor, image, &map, config, &self.words)?,
                 Some(features) => learned(features, (image.width, image.height), &map, config),
             });
         }
@@ -145,12 +145,11 @@ fn learned(
 fn sparse(
     extractor: &mut Extractor,
     image: &GrayImage,
-    mut map: ActivationMap,
+    map: &ActivationMap,
     config: &SelectionConfig,
     words: &Words,
 ) -> Result<Sight> {
-    let chosen = extractor.extract_selected(image, config, &mut map);
-    let (features, activation) = chosen.map_err(|reason| anyhow!(reason))?;
+    let features::Selected { features, activation, .. } = extractor.extract_selected(image, config, map)?;
     let described = words.of(&features.descriptors, &activation);
     Ok(Sight {
         pixels: features.keypoints.iter().map(|k| pixel(k.x, k.y)).collect(),

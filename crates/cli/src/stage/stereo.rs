@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use anyhow::anyhow;
 use clap::Args;
 use draw::{Canvas, Strip, Swatch, spread};
 use features::Frame;
@@ -43,11 +42,8 @@ impl StereoArgs {
         let name = frames.name_of(info);
         let setup = frames.input.setup(&self.network.options()).or_input()?;
         let right = images.right.unwrap_or_default();
-        let frame = setup
-            .frame_builder(setup.stereo.disparity_offset_px)
-            .and_then(|mut builder| builder.stereo(info.index, info.timestamp_s, &images.left, &right))
-            .map_err(|reason| anyhow!(reason))
-            .or_input()?;
+        let mut builder = setup.frame_builder(setup.stereo.disparity_offset_px);
+        let (frame, _) = builder.stereo(info.index, info.timestamp_s, &images.left, &right).or_input()?;
         let found = Disparities::of(&frame);
         let (n, of) = (found.marks.len(), frame.len());
         row("frame", &format!("{name} ({}x{})", images.left.width, images.left.height));

@@ -5,7 +5,6 @@
 
 mod backlog;
 mod records;
-mod texts;
 mod worker;
 
 use std::io::Write;
@@ -19,8 +18,8 @@ use slam::World;
 
 use crate::events::{Event, Observer};
 use crate::record::{FrameStatus, RunOutcome};
+use crate::words::Narrator;
 use backlog::Backlog;
-use texts::Texts;
 use worker::{Counting, Item, Worker};
 
 /// A writer that gets rid of no byte for so many seconds at the end of a run is given up.
@@ -63,7 +62,7 @@ pub struct EventStream {
     done: Receiver<StreamReport>,
     /// Bytes that the target has taken.
     taken: Arc<AtomicU64>,
-    texts: Texts,
+    narrator: Narrator,
     newest_frame: u32,
 }
 
@@ -88,7 +87,7 @@ impl EventStream {
         std::thread::Builder::new().name("events".into()).spawn(work)?;
         let mut backlog = Backlog::new(to_writer);
         backlog.keep(Record::Start(start));
-        Ok(EventStream { backlog, done, taken, texts: Texts::default(), newest_frame: 0 })
+        Ok(EventStream { backlog, done, taken, narrator: Narrator::default(), newest_frame: 0 })
     }
 
     /// Writes the end of a run, with its numbers as Markdown, and waits until the writer is done, or does not get on any more.
@@ -124,7 +123,7 @@ impl Observer for EventStream {
     }
 
     fn event(&mut self, event: &Event) {
-        if let Some(text) = self.texts.of(event) {
+        for text in self.narrator.tell(event).into_iter().filter_map(records::text) {
             self.backlog.keep(Record::Text(text));
         }
         match event {

@@ -4,30 +4,25 @@ use std::collections::BTreeMap;
 
 use events::{
     ActivationMap, Counts, End, FeatureState, Features, FinalPose, FramePose, FrameRecord, FrameState, Image,
-    Pose, StageTime,
+    Level, Pose, StageTime, Text,
 };
 use features::{Frame, Keypoint};
 use geometry::{SE3, Vec2, Vec3};
 use io::Preview;
 
-use crate::details::FrameDetails;
 use crate::events::FrameAnswer;
-use crate::record::{FrameStatus, RunOutcome};
+use crate::events::FrameDetails;
+use crate::record::RunOutcome;
+use crate::words::{Weight, Words};
 
 /// A frame after tracking.
 pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
-    let (state, reason) = match &details.status {
-        FrameStatus::NotReady(reason) => (FrameState::NotReady, reason.to_string()),
-        FrameStatus::Tracked { .. } => (FrameState::Tracked, String::new()),
-        FrameStatus::Lost(reason) => (FrameState::Lost, reason.to_string()),
-        FrameStatus::Dropped(reason) => (FrameState::Dropped, reason.to_string()),
-    };
     let (frame, stats) = (&details.frame, &details.stats);
     FrameRecord {
         index: details.info.index,
         timestamp_s: details.info.timestamp_s,
-        state,
-        reason,
+        state: details.status.state(),
+        reason: details.status.reason().unwrap_or_default(),
         pose: details.status.has_pose().then(|| FramePose {
             keyframe: details.pose.map(|pose| pose.keyframe.0),
             cam_from_keyframe: Pose::from(
@@ -148,4 +143,14 @@ pub(super) fn end(outcome: &RunOutcome, summary: String, left_out: u64) -> End {
 /// A count as it is written.
 fn count(n: usize) -> u32 {
     u32::try_from(n).unwrap_or(u32::MAX)
+}
+
+/// Words of the run as a text of the stream; those about every frame are none of its texts.
+pub(super) fn text(words: Words) -> Option<Text> {
+    let level = match words.weight {
+        Weight::Warning => Level::Warning,
+        Weight::Info | Weight::Detail => Level::Info,
+        Weight::Trace => return None,
+    };
+    Some(Text { frame: words.frame(), level, text: words.text })
 }

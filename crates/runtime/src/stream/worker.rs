@@ -10,7 +10,7 @@ use slam::World;
 
 use super::records;
 use super::{StreamOptions, StreamReport};
-use crate::details::FrameDetails;
+use crate::events::FrameDetails;
 
 /// Something to write.
 #[derive(Debug)]
@@ -113,11 +113,11 @@ impl Worker {
             return;
         }
         let index = details.info.index;
-        if let Some(seen) = &details.seen {
-            if let Some(preview) = io::preview(&seen.image, self.options.image_width) {
+        if let Some(images) = &details.images {
+            if let Some(preview) = io::preview(&images.image, self.options.image_width) {
                 self.write(&Record::Image(records::image(index, preview)));
             }
-            if let Some(map) = &seen.activation {
+            if let Some(map) = &images.activation {
                 self.write(&Record::Activation(records::activation(index, map)));
             }
         }

@@ -24,18 +24,10 @@ pub(crate) struct Published {
 /// one. Tracking asks for no further keyframe before it has seen the insertion of the last.
 pub(crate) const EXACT_STATES: usize = 4;
 
-/// How tracking chooses among the published states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Choice {
-    /// The state of the rule; waits for it.
-    Exact(Rule),
-    /// The newest; never waits.
-    Newest,
-}
-
 /// Tracking's end of the channel of published states.
-pub(crate) struct Viewer {
-    choice: Choice,
+pub(crate) struct Snapshots {
+    /// The state that each frame sees; `None`: the newest.
+    rule: Option<Rule>,
     states: Receiver<Published>,
     current: Published,
     /// Keyframes asked for.
@@ -52,10 +44,10 @@ pub(crate) struct View {
     pub(crate) idle: bool,
 }
 
-impl Viewer {
-    pub(crate) fn new(choice: Choice, start: Arc<World>, states: Receiver<Published>) -> Self {
+impl Snapshots {
+    pub(crate) fn new(rule: Option<Rule>, start: Arc<World>, states: Receiver<Published>) -> Self {
         let current = Published { world: start, operation: 0, inserted: 0, refined: 0 };
-        Viewer { choice, states, current, requests: 0, last_request: None }
+        Snapshots { rule, states, current, requests: 0, last_request: None }
     }
 
     /// Frame `n` asks for a keyframe.
@@ -69,8 +61,8 @@ impl Viewer {
     /// # Errors
     /// When mapping ended before it came to that state.
     pub(crate) fn at(&mut self, n: usize) -> Result<View, Halt> {
-        let idle = match self.choice {
-            Choice::Exact(rule) => {
+        let idle = match self.rule {
+            Some(rule) => {
                 let idle = self.last_request.is_none_or(|k| rule.sees_refined(n, k));
                 let refined = if idle { self.requests } else { self.requests - 1 };
                 while (self.current.inserted, self.current.refined) != (self.requests, refined) {
@@ -78,7 +70,7 @@ impl Viewer {
                 }
                 idle
             }
-            Choice::Newest => {
+            None => {
                 self.catch_up();
                 self.current.refined == self.requests
             }
@@ -109,40 +101,40 @@ mod tests {
         let (publish, states) = bounded(EXACT_STATES);
         let world = Arc::new(World::default());
         let rule = Rule { lag: 3, loop_lag: 10 };
-        let mut viewer = Viewer::new(Choice::Exact(rule), world.clone(), states);
-        let see = |n: usize, viewer: &mut Viewer| {
-            let view = viewer.at(n).unwrap();
+        let mut snapshots = Snapshots::new(Some(rule), world.clone(), states);
+        let see = |n: usize, snapshots: &mut Snapshots| {
+            let view = snapshots.at(n).unwrap();
             (view.operation, view.idle)
         };
-        assert_eq!(see(0, &mut viewer), (0, true));
-        viewer.request(0);
+        assert_eq!(see(0, &mut snapshots), (0, true));
+        snapshots.request(0);
         for (operation, refined) in [(2, 0), (3, 1)] {
             publish.send(Published { world: world.clone(), operation, inserted: 1, refined }).unwrap();
         }
-        let seen: Vec<_> = (1..5).map(|n| see(n, &mut viewer)).collect();
+        let seen: Vec<_> = (1..5).map(|n| see(n, &mut snapshots)).collect();
         assert_eq!(seen, [(2, false), (2, false), (3, true), (3, true)]);
         // Another keyframe before the mapping of the last was seen: that state is passed over.
-        viewer.request(4);
+        snapshots.request(4);
         for (operation, inserted, refined) in [(8, 2, 1), (9, 2, 2)] {
             publish.send(Published { world: world.clone(), operation, inserted, refined }).unwrap();
         }
-        assert_eq!(see(5, &mut viewer), (8, false));
+        assert_eq!(see(5, &mut snapshots), (8, false));
         drop(publish);
-        assert_eq!(see(7, &mut viewer), (9, true));
-        viewer.request(7);
-        assert!(viewer.at(8).is_err(), "mapping is gone");
+        assert_eq!(see(7, &mut snapshots), (9, true));
+        snapshots.request(7);
+        assert!(snapshots.at(8).is_err(), "mapping is gone");
     }
 
     #[test]
     fn the_newest_state_is_taken_without_waiting() {
         let (publish, states) = bounded(4);
         let world = Arc::new(World::default());
-        let mut viewer = Viewer::new(Choice::Newest, world.clone(), states);
-        viewer.request(0);
-        assert!(!viewer.at(1).unwrap().idle);
+        let mut snapshots = Snapshots::new(None, world.clone(), states);
+        snapshots.request(0);
+        assert!(!snapshots.at(1).unwrap().idle);
         for refined in [0, 1] {
             publish.send(Published { world: world.clone(), operation: 2, inserted: 1, refined }).unwrap();
         }
-        assert!(viewer.at(2).unwrap().idle);
+        assert!(snapshots.at(2).unwrap().idle);
     }
 }

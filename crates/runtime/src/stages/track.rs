@@ -2,19 +2,22 @@
 
 use std::sync::Arc;
 
+use crossbeam::channel::{Receiver, Sender};
 use features::Frame;
 use map::{PointCount, RelativePose};
 use slam::{KeyframeRequest, Placement, TrackState, TrackStats, Tracked, Tracker};
 
-use crate::details::FrameDetails;
-use crate::events::{Event, FrameAnswer};
-use crate::extract::Extracted;
+use crate::events::{Event, FrameAnswer, FrameDetails};
+use crate::failure::caught;
 use crate::feed::FrameInfo;
-use crate::job::Plan;
 use crate::journal::Seen;
+use crate::live::Outbox;
+use crate::lockstep::TrackLeft;
 use crate::record::{FrameStatus, Unusable};
+use crate::run::{Job, Plan};
+use crate::snapshot::{Snapshots, View};
+use crate::stages::fetch::{Extracted, Passing};
 use crate::timings::{FrameTimings, Stopwatch};
-use crate::view::View;
 
 /// What tracking of a frame tells mapping.
 pub(crate) struct Message {
@@ -67,9 +70,9 @@ impl TrackStage {
         log: &mut TrackLog,
         emit: &mut dyn FnMut(Event),
     ) -> Result<(FrameAnswer, Option<Message>), E> {
-        let Extracted { n, info, frame, seen: looked_at, mut watch } = extracted;
-        let frame = match frame {
-            Ok(frame) => frame,
+        let Passing { n, info, content, mut watch } = extracted;
+        let (frame, images) = match content {
+            Ok(content) => content,
             Err(reason) => {
                 let answer = log.without_tracking((info, reason), Seen::Unusable, watch, emit);
                 return Ok((answer, None));
@@ -89,7 +92,7 @@ impl TrackStage {
         if self.details {
             let stages = timings.stages.clone();
             let details =
-                FrameDetails::new(info, status.clone(), (frame, looked_at), &mut tracked, &view, stages);
+                FrameDetails::new(info, status.clone(), (frame, images), &mut tracked, &view, stages);
             emit(Event::Details(Arc::new(details)));
         }
         log.frames.push(TrackedFrame {
@@ -176,5 +179,65 @@ fn status_of(tracked: &Tracked) -> FrameStatus {
         TrackState::NotReady(reason) => FrameStatus::NotReady(reason),
         TrackState::Started | TrackState::Tracked => FrameStatus::Tracked { inliers: tracked.stats.inliers },
         TrackState::Lost(reason) => FrameStatus::Lost(reason),
+    }
+}
+
+/// Tracks until no frame comes, mapping is gone or the run is to stop.
+pub(crate) fn track(
+    job: &Job<'_>,
+    extracted: Receiver<Extracted>,
+    mut snapshots: Snapshots,
+    mut outbox: Outbox,
+    to_observer: Sender<Event>,
+) -> TrackLeft {
+    let mut log = TrackLog::default();
+    let ended = caught("track", || {
+        track_all(job, extracted, &mut snapshots, &mut outbox, &mut log, &to_observer);
+    });
+    outbox.close();
+    TrackLeft { log, snapshots: Some(snapshots), failure: ended.err() }
+}
+
+fn track_all(
+    job: &Job<'_>,
+    extracted: Receiver<Extracted>,
+    snapshots: &mut Snapshots,
+    outbox: &mut Outbox,
+    log: &mut TrackLog,
+    to_observer: &Sender<Event>,
+) {
+    let mut stage = TrackStage::new(&job.plan);
+    let mut faults = job.plan.faults("track");
+    // Without an observer there is nobody to tell.
+    let emit = &mut |event: Event| drop(to_observer.send(event));
+    for extracted in extracted {
+        faults.step();
+        let n = extracted.n;
+        note_skipped(job, n, log, emit);
+        let view = |watch: &mut Stopwatch| watch.time("wait", |_| snapshots.at(n));
+        match stage.step(extracted, view, log, emit) {
+            Ok((_, Some(message))) => {
+                if message.keyframe.is_some() {
+                    snapshots.request(n);
+                }
+                if outbox.send(message).is_err() {
+                    return;
+                }
+            }
+            Ok((_, None)) => {}
+            Err(_) => return,
+        }
+        if job.is_stopped() {
+            return;
+        }
+    }
+}
+
+/// Records the frames before the `n`-th that were replaced by newer ones.
+fn note_skipped(job: &Job<'_>, n: usize, log: &mut TrackLog, emit: &mut dyn FnMut(Event)) {
+    for skipped in log.frames.len()..n {
+        let info = job.feed.info(skipped);
+        let watch = Stopwatch::new(info.index);
+        log.without_tracking((info, Unusable::Skipped), Seen::Skipped, watch, emit);
     }
 }

@@ -1,4 +1,5 @@
-//! `Lockstep` and `Live`: a thread per stage, joined by bounded channels. A stage ends when a neighbour is gone.
+//! `Lockstep`, and what `Live` has in common with it: a thread per stage, joined by bounded channels. A stage ends when a neighbor is
+//! gone.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -6,20 +7,24 @@ use std::thread::{Builder, Scope, ScopedJoinHandle};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use rayon::ThreadPoolBuilder;
+use slam::World;
 
-use crate::corrections::{GlobalAnswer, GlobalQuestion, LoopAnswer, LoopQuestion, adjust, find_loops};
 use crate::events::{Event, Observer};
-use crate::extract::Extracted;
-use crate::failure::{StageFailure, caught};
-use crate::fetch::{AHEAD, ahead, paced};
-use crate::job::Job;
-use crate::mapping::MapStage;
-use crate::outbox::{MESSAGES, Outbox};
-use crate::outcome::Parts;
+use crate::failure::{StageFailure, caught, map_caught};
+use crate::live::{MESSAGES, Outbox, paced, replace};
+use crate::outcome::{MapLog, Parts};
 use crate::record::RunError;
-use crate::service::{Asked, Service};
-use crate::thread_work::{MapLeft, TrackLeft, extract, map, serve, serve_newest, track};
-use crate::view::{Choice, EXACT_STATES, Viewer};
+use crate::run::Job;
+use crate::services::{
+    Asked, GlobalAnswer, GlobalQuestion, LoopAnswer, LoopQuestion, Service, adjust, find_loops, serve,
+    serve_newest,
+};
+use crate::setup::Schedule;
+use crate::snapshot::{EXACT_STATES, Published, Snapshots};
+use crate::stages::extract::extract;
+use crate::stages::fetch::{AHEAD, Extracted, ahead};
+use crate::stages::map::{MapStage, Out};
+use crate::stages::track::{Message, TrackLog, track};
 
 /// Events that may wait for the observer.
 const EVENTS: usize = 256;
@@ -29,21 +34,42 @@ const QUESTIONS: usize = 64;
 /// Frames with features that may wait for tracking, so that extraction goes on while tracking waits for the map.
 const EXTRACTED_AHEAD: usize = 4;
 
-/// Which of the two schedules.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Manner {
-    Lockstep,
-    Live { realtime: bool },
-}
-
 /// A running stage.
 type Stage<'scope, T> = ScopedJoinHandle<'scope, Result<T, StageFailure>>;
 
+/// What the tracking thread leaves.
+pub(crate) struct TrackLeft {
+    pub(crate) log: TrackLog,
+    /// Kept until mapping has ended, so that its last state can be seen.
+    pub(crate) snapshots: Option<Snapshots>,
+    pub(crate) failure: Option<StageFailure>,
+}
+
+impl TrackLeft {
+    pub(crate) fn nothing(failure: StageFailure) -> Self {
+        TrackLeft { log: TrackLog::default(), snapshots: None, failure: Some(failure) }
+    }
+}
+
+/// What the mapping thread leaves.
+pub(crate) struct MapLeft {
+    pub(crate) log: MapLog,
+    /// `None` after a panic in the middle of an operation.
+    pub(crate) world: Option<World>,
+    pub(crate) failure: Option<StageFailure>,
+}
+
+impl MapLeft {
+    pub(crate) fn nothing(failure: StageFailure) -> Self {
+        MapLeft { log: MapLog::default(), world: None, failure: Some(failure) }
+    }
+}
+
 /// Runs; the calling thread hands events to the observer meanwhile.
-pub(crate) fn run(job: &Job<'_>, manner: Manner, observer: &mut dyn Observer) -> Result<Parts, RunError> {
+pub(crate) fn run(job: &Job<'_>, observer: &mut dyn Observer) -> Result<Parts, RunError> {
     std::thread::scope(|scope| {
         let (to_observer, events) = bounded(EVENTS);
-        let stages = Stages::start(scope, job, manner, to_observer)?;
+        let stages = Stages::start(scope, job, to_observer)?;
         events.iter().for_each(|event| observer.event(&event));
         Ok(stages.join(job))
     })
@@ -96,28 +122,24 @@ impl<'scope> Stages<'scope> {
     fn start<'env>(
         scope: &'scope Scope<'scope, 'env>,
         job: &'env Job<'env>,
-        manner: Manner,
         to_observer: Sender<Event>,
     ) -> Result<Self, RunError> {
         let (reader, reader_is_there) = bounded(0);
-        let (extracted, decode, extract) = start_source(scope, job, manner, reader_is_there)?;
-        let (publish, states) = bounded(if manner == Manner::Lockstep { EXACT_STATES } else { 1 });
+        let (extracted, decode, extract) = start_source(scope, job, reader_is_there)?;
+        let rule = job.exact_rule();
+        let (publish, states) = bounded(if rule.is_some() { EXACT_STATES } else { 1 });
         let (to_mapping, messages) = bounded(MESSAGES);
         let (map_stage, finders, global) = start_services(scope, job)?;
         let map = {
             let (to_observer, states) = (to_observer.clone(), states.clone());
             spawn_with_workers(scope, "map", move || {
-                map(job, manner, map_stage, messages, (publish, states), to_observer)
+                map(job, map_stage, messages, (publish, states), to_observer)
             })?
         };
-        let (choice, may_wait) = match manner {
-            Manner::Lockstep => (Choice::Exact(job.plan.setup.rule()), true),
-            Manner::Live { .. } => (Choice::Newest, false),
-        };
-        let viewer = Viewer::new(choice, job.plan.start(), states);
-        let outbox = Outbox::new(to_mapping, may_wait);
+        let snapshots = Snapshots::new(rule, job.plan.start(), states);
+        let outbox = Outbox::new(to_mapping, rule.is_some());
         let track = spawn_with_workers(scope, "track", move || {
-            let left = track(job, extracted, viewer, outbox, to_observer);
+            let left = track(job, extracted, snapshots, outbox, to_observer);
             drop(reader);
             left
         })?;
@@ -133,7 +155,7 @@ impl<'scope> Stages<'scope> {
         let map = joined(self.map).unwrap_or_else(MapLeft::nothing);
         failures.extend([track.failure.take(), map.failure]);
         failures.extend(self.finders.into_iter().chain([self.global]).map(|stage| joined(stage).err()));
-        let last_shown = track.viewer.map_or_else(|| job.plan.start(), |mut viewer| viewer.newest());
+        let last_shown = track.snapshots.map_or_else(|| job.plan.start(), |mut snapshots| snapshots.newest());
         Parts {
             tracking: track.log,
             mapping: map.log,
@@ -149,10 +171,9 @@ impl<'scope> Stages<'scope> {
 fn start_source<'scope, 'env>(
     scope: &'scope Scope<'scope, 'env>,
     job: &'env Job<'env>,
-    manner: Manner,
     reader_is_there: Receiver<()>,
 ) -> Result<(Receiver<Extracted>, Stage<'scope, usize>, Stage<'scope, ()>), RunError> {
-    let realtime = manner == Manner::Live { realtime: true };
+    let realtime = job.plan.setup.schedule == Schedule::Live { realtime: true };
     let (to_extract, fetched) = bounded(if realtime { 1 } else { AHEAD });
     let (to_track, extracted) = bounded(if realtime { 0 } else { EXTRACTED_AHEAD });
     let (taken, faults) = (fetched.clone(), job.plan.faults("decode"));
@@ -186,4 +207,35 @@ fn start_services<'scope, 'env>(
     }
     let stage = MapStage::new(&job.plan, loops, Service::Thread(to_global));
     Ok((stage, finders, global))
+}
+
+/// Maps until tracking or a service is gone.
+pub(crate) fn map(
+    job: &Job<'_>,
+    mut stage: MapStage,
+    messages: Receiver<Message>,
+    (publish, shown): (Sender<Published>, Receiver<Published>),
+    to_observer: Sender<Event>,
+) -> MapLeft {
+    let mut log = MapLog::default();
+    let mut emit = |event: Event| drop(to_observer.send(event));
+    let rule = job.exact_rule();
+    let mut publish = |state: Published| match rule {
+        Some(_) => drop(publish.send(state)),
+        None => replace(&publish, &shown, state),
+    };
+    let mut out = Out { log: &mut log, emit: &mut emit, publish: &mut publish };
+    let mut faults = job.plan.faults("map");
+    let ended = map_caught(|| match rule {
+        Some(rule) => {
+            for message in messages {
+                faults.step();
+                stage.take_in(&message, Some(rule), &mut out)?;
+            }
+            stage.finish(rule, job.stop, &mut out)
+        }
+        None => stage.live(&messages, (job.plan.setup.rule(), job.stop), &mut faults, &mut out),
+    });
+    let (is_whole, failure) = ended.map_or_else(|end| (end.is_whole, end.failure), |()| (true, None));
+    MapLeft { log, world: is_whole.then(|| stage.mapper.into_world()), failure }
 }
