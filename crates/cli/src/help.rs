@@ -19,10 +19,10 @@ pub(crate) fn run() -> String {
     with_codes(
         "\
 Examples:
-  dsslam run kitti/sequences/06 --config configs/kitti.yaml
+  dsslam run kitti/sequences/06
   dsslam run kitti/sequences/06 --set features.keep=500 --max-frames 200
-  dsslam run rgbd_dataset_freiburg1_desk --config configs/tum-rgbd.yaml
-  dsslam run MH_01_easy --config configs/euroc.yaml
+  dsslam run rgbd_dataset_freiburg1_desk
+  dsslam run MH_01_easy --config euroc
   dsslam run images --calib camera.yaml
   dsslam run kitti/sequences/06 --json --quiet > summary.json
   dsslam run morning --save-map campus.dsmap
@@ -34,7 +34,7 @@ Layouts:
   KITTI odometry   calib.txt, times.txt, image_0 and image_1 (or image_2 and image_3),
                    poses.txt if there
   TUM RGB-D        rgb.txt, depth.txt, groundtruth.txt if there; the camera comes from the
-                   configuration
+                   configuration, and for fr1 sequences from the built-in one
   EuRoC (ASL)      mav0/cam0 and mav0/cam1, each with data.csv, data/ and sensor.yaml
   Images           PNG or JPEG in the folder (one camera, or left and right side by side in
                    each) or in left/ and right/; the cameras come from --calib, from
@@ -130,7 +130,7 @@ Examples:
   dsslam export street.dsmap --to ply -o street.ply
   dsslam export street.dsmap --to colmap --images kitti/sequences/06 -o colmap
   dsslam export street.dsmap --to tum -o keyframes.txt
-  dsslam run MH_01_easy --config configs/euroc.yaml --save-map hall.dsmap
+  dsslam run MH_01_easy --save-map hall.dsmap
   dsslam export hall.dsmap --to euroc -o body.csv  # poses of the body, as the ground truth's",
     )
 }
@@ -181,7 +181,7 @@ pub(crate) fn stereo() -> String {
         "\
 Examples:
   dsslam inspect stereo kitti/sequences/06 -o disparities.png
-  dsslam inspect stereo kitti/sequences/06 --frame 2 --config configs/kitti.yaml -o disparities.png",
+  dsslam inspect stereo kitti/sequences/06 --frame 2 --config kitti -o disparities.png",
     )
 }
 

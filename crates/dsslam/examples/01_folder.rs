@@ -1,6 +1,6 @@
 //! SLAM on a folder of images, a video or a camera, with what the program tells while it runs.
 //!
-//!     cargo run --release --example 01_folder -- path/to/kitti/sequences/06 trajectory.txt
+//!     cargo run -p dsslam --release --example 01_folder -- path/to/kitti/sequences/06 trajectory.txt
 
 use std::error::Error;
 use std::path::Path;

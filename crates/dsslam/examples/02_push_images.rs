@@ -1,6 +1,6 @@
 //! SLAM on images that your own program has in memory: push them one by one, get a pose for each.
 //!
-//!     cargo run --release --example 02_push_images -- cameras.yaml path/to/left path/to/right
+//!     cargo run -p dsslam --release --example 02_push_images -- cameras.yaml path/to/left path/to/right
 
 use std::error::Error;
 use std::fs;

@@ -1,6 +1,6 @@
 //! A map made of one drive, saved, loaded, and used to find the camera in another drive along the same streets.
 //!
-//!     cargo run --release --example 03_save_load_localize -- morning evening town.dsmap
+//!     cargo run -p dsslam --release --example 03_save_load_localize -- morning evening town.dsmap
 
 use std::error::Error;
 use std::path::Path;

@@ -67,6 +67,12 @@ fn the_documents_show_the_examples_as_they_are() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let library = fs::read_to_string(root.join("docs/library.md")).unwrap();
     let text = fs::read_to_string(root.join("crates/dsslam/examples/02_push_images.rs")).unwrap();
+    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    let block = |text: &str| {
+        text.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next().map(str::to_owned))
+    };
+    assert!(block(&readme).is_some_and(|code| code.lines().count() <= 15));
+    assert_eq!(block(&readme), block(&library), "the page's code is compiled");
     for line in
         ["let mut slam = Slam::new(&config, ", "let seen = slam.track(t_ns, ", "let done = slam.finish()?;"]
     {
