@@ -58,7 +58,10 @@ pub(crate) fn with_viewer(folder: &Path, script: &str) -> PathBuf {
 /// A run of the copied program with these arguments.
 fn watched(program: &Path, out: &Path, args: &[&str]) -> Call {
     let mut command = std::process::Command::new(program);
-    command.args(["run", text(rendered()), "--out", text(out)]).args(args).env("NO_COLOR", "1");
+    command
+        .args(["run", text(rendered()), "--config", "default", "--out", text(out)])
+        .args(args)
+        .env("NO_COLOR", "1");
     ended(command.output().unwrap())
 }
 
