@@ -1,5 +1,6 @@
 #!/bin/sh
-# Renders the towns, decodes all datasets and computes triplets and motion labels into $DSFEAT_CACHE. Finished parts are skipped.
+# Renders the towns, decodes all datasets and computes triplets, motion labels and the teachers' outlines into $DSFEAT_CACHE.
+# Finished parts are skipped. ONLY=two prepares only what the network with two answers needs.
 # Usage: DSFEAT_TRAINING=... DSSLAM_DATA=... DSFEAT_TOWNS=... DSFEAT_CACHE=... ./prepare.sh WEIGHTS
 # FRAMES=30 renders at most that many frames of each town: a quick trial of all steps.
 set -eu
@@ -13,6 +14,26 @@ render() { # preset seed frames rounds
     [ -e "$DSFEAT_TOWNS/$1_$2/poses.txt" ] || "$dsslam" synth "$DSFEAT_TOWNS/$1_$2" --preset "$1" --seed "$2" \
         --frames $(($3 < most ? $3 : most)) --rounds "$4" --masks
 }
+two() { # every n-th frame of a rendered town
+    outlines=$DSFEAT_CACHE/outlines
+    images="" maps=""
+    for source in kt3dmoseg semantickitti parked davis; do
+        images="$images $DSFEAT_TRAINING/motion/train/$source/image" maps="$maps $outlines/$source"
+    done
+    for drive in kittiraw_0926_0009 kitti_alike sfnd_kitti_mono78_rgb; do
+        images="$images $DSFEAT_TRAINING/kitti_pseudo/$drive/image" maps="$maps $outlines/$drive"
+    done
+    "$python" -m dsfeat.teachers --teachers "$DSFEAT_TRAINING/teachers" --images $images --out $maps
+    [ -e "$DSFEAT_CACHE/streets.done" ] || "$python" -m dsfeat.streets --outlines "$outlines" --states "$(dirname "$0")/states.csv" --step "$1"
+    touch "$DSFEAT_CACHE/streets.done"
+}
+if [ "${ONLY:-}" = two ]; then
+    render busy 204 40 1
+    [ -e "$DSFEAT_CACHE/triplets.npz" ] || "$python" -m dsfeat.prepare triplets --xfeat "$weights/xfeat.onnx" --csv \
+        "$DSFEAT_TRAINING/triplets_camvid.csv:$DSFEAT_TRAINING:40" "$DSFEAT_TRAINING/triplets_kitti03.csv:$DSSLAM_DATA:20"
+    two 1
+    exit
+fi
 # To train: in `motion` each with the step of its frames. A truck fills the view in frames 50 to 130 of the crossing towns.
 render busy 201 400 1
 render crossing 202 300 1
@@ -49,3 +70,4 @@ if [ ! -e "$DSFEAT_CACHE/motion.npz" ]; then
 fi
 # Only to evaluate: points on moving and on standing vehicles of two real sequences.
 [ -e "$DSFEAT_CACHE/vehicles.npz" ] || "$python" -m dsfeat.prepare vehicles --names kittiraw_0005 kittiraw_1405 --step 2
+two 5

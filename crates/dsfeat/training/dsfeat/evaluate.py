@@ -1,6 +1,9 @@
 """Evaluates a model: IoU and pixel AUC on road scenes; moving, parked and still surfaces on rendered towns.
 
     python -m dsfeat.evaluate --model ../models/dsfeat_hybrid.onnx --cache CACHE --json metrics.json
+    python -m dsfeat.evaluate --two --model ../models/dsfeat_two.onnx --cache CACHE --json metrics.json
+
+With `--two` the sets of `dsfeat.streets` are judged: classes by the second answer, states of real vehicles by the first.
 
 Whole frames are squeezed to the network's input, as the SLAM system does; the activation is brought back to the labels'
 size bilinearly. Positive class: static.
@@ -38,7 +41,7 @@ def predictor(network: DSFeat) -> Predict:
 
 def onnx_predictor(path: Path) -> Predict:
     """An ONNX model as a function of arrays."""
-    from .export import session
+    from .runtime import session
 
     model = session(path)
     return lambda images: np.concatenate([model.run(None, {"image": one[None]})[0][0] for one in images])
@@ -131,19 +134,39 @@ def evaluate(predict: Predict, cache: Path) -> dict[str, dict[str, float]]:
     return found
 
 
+def evaluate_two(args: argparse.Namespace) -> dict[str, dict[str, float]]:
+    """The sets of `dsfeat.streets`, of an ONNX model or a checkpoint; `--hidden` adds the hand-made test labels."""
+    from . import two_evaluate
+    from .train_two import starting
+
+    if args.model.suffix == ".pt":
+        predict = two_evaluate.predictor(starting(args.model), tuple(args.size), known=not args.all_known)
+    else:
+        predict = two_evaluate.onnx_predictor(args.model)
+    if args.hidden:
+        return {"kitti_semantics5": two_evaluate.hidden(predict, args.training)}
+    return two_evaluate.evaluate(predict, args.cache, args.third)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--model", type=Path, required=True, help="ONNX model, or checkpoint of dsfeat.train (.pt)")
     parser.add_argument("--json", type=Path, help="file to write the numbers to")
+    parser.add_argument("--two", action="store_true", help="a network with two answers (`dsfeat.train_two`)")
+    parser.add_argument("--third", type=int, choices=(0, 1, 2), help="with --two: judge this third of the drives, not trained on")
+    parser.add_argument("--size", type=int, nargs=2, default=(128, 416), help="with --two: rows and columns for a checkpoint")
+    parser.add_argument("--all-known", action="store_true", help="with --two: a checkpoint without a fit of `known`")
+    parser.add_argument("--hidden", action="store_true", help="with --two: only the test frames `kitti_semantics5`")
     add_folders(parser)
     args = parser.parse_args()
     need(parser, args, "cache")
     torch.set_num_threads(1)
-    if args.model.suffix == ".pt":
-        predict = predictor(restored(args.model))
+    if args.two:
+        found = evaluate_two(args)
+    elif args.model.suffix == ".pt":
+        found = evaluate(predictor(restored(args.model)), args.cache)
     else:
-        predict = onnx_predictor(args.model)
-    found = evaluate(predict, args.cache)
+        found = evaluate(onnx_predictor(args.model), args.cache)
     for name, values in found.items():
         print(f"{name:20}", " ".join(f"{k} {v:.3f}" for k, v in values.items()))
     if args.json:

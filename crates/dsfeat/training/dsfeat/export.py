@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import onnx
-import onnxruntime as ort
 import torch
 
 from .network import HEIGHT, WIDTH, DSFeat, Exported, multiply_adds, restored
+from .runtime import session
 
 #: ONNX operator set: the newest that pure-Rust runtimes read well.
 OPSET = 13
@@ -35,14 +35,6 @@ def export_onnx(network: DSFeat, path: Path) -> None:
     onnx.checker.check_model(model)
     del model.metadata_props[:]
     onnx.save(model, str(path))
-
-
-def session(path: Path) -> ort.InferenceSession:
-    """Opens an ONNX model on one thread."""
-    options = ort.SessionOptions()
-    options.intra_op_num_threads = 1
-    options.inter_op_num_threads = 1
-    return ort.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
 
 
 def compare(network: DSFeat, path: Path, seed: int = 0, images: int = 8) -> float:

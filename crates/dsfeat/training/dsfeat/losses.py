@@ -8,6 +8,7 @@ distribution counts.
 import torch
 from torch.nn import functional as F
 
+from . import streets
 from .motion import IGNORED, MOVED, STANDING
 
 #: Least mean of weights before normalisation.
@@ -96,3 +97,30 @@ def semantic_weight(epoch: int, decay: float, floor: float) -> float:
 def hybrid(semantic_loss: torch.Tensor, matching_loss: torch.Tensor, weight: float) -> torch.Tensor:
     """Eq. 7 with alpha = 1 - weight: the semantic loss leads first, the matching loss later."""
     return weight * semantic_loss + (1.0 - weight) * matching_loss
+
+
+def lasting(dynamic: torch.Tensor, codes: torch.Tensor, dynamic_weight: float) -> torch.Tensor:
+    """Eq. 1 for the answer "another day": logits of dynamic classes [B, 1, H, W], codes of `dsfeat.streets` [B, H, W]."""
+    weight = torch.where(codes >= streets.STANDING, dynamic_weight, 1.0) * (codes != streets.IGNORED)
+    target = (codes >= streets.STANDING).to(dynamic.dtype)
+    loss = F.binary_cross_entropy_with_logits(dynamic[:, 0], target, weight, reduction="sum")
+    return loss / weight.sum().clamp(min=1.0)
+
+
+def moves(logits: torch.Tensor, codes: torch.Tensor, few: float = 60.0) -> torch.Tensor:
+    """Cross entropy of moving against standing on vehicles whose state is known; images with few such pixels count less."""
+    known = ((codes == streets.STANDING) | (codes == streets.MOVING)).to(logits.dtype)
+    target = (codes == streets.MOVING).to(logits.dtype)
+    loss = F.binary_cross_entropy_with_logits(logits[:, 0], target, known, reduction="none").sum(dim=(1, 2))
+    count = known.sum(dim=(1, 2))
+    return (loss / (count + few)).sum() / (count > 0).sum().clamp(min=1)
+
+
+def now(activation: torch.Tensor, codes: torch.Tensor, moved: float, standing: float) -> torch.Tensor:
+    """Cross entropy of the activation [B, 1, H, W] with 0 on what moves and 1 on all else whose state is known."""
+    weight = torch.zeros_like(activation[:, 0])
+    for code, factor in ((streets.STILL, 1.0), (streets.STANDING, standing), (streets.MOVING, moved)):
+        weight = torch.where(codes == code, factor, weight)
+    target = (codes != streets.MOVING).to(activation.dtype)
+    loss = F.binary_cross_entropy(activation[:, 0].clamp(1e-4, 1 - 1e-4), target, weight, reduction="sum")
+    return loss / weight.sum().clamp(min=1.0)

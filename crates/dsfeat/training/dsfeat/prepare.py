@@ -20,7 +20,7 @@ import numpy as np
 
 from .augment import whole
 from .data import DYNAMIC, DYNAMIC_CLASSES, add_folders, need, read_classes, read_grey, resize_pair, stability
-from .export import session
+from .runtime import session
 from .matching import Features, features, packed, pair, to_unit
 from .motion import UNKNOWN, exact, label_frame, read_rig, refined
 from .network import HEIGHT, WIDTH

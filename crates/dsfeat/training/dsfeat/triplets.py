@@ -41,6 +41,14 @@ class MotionBatch:
     maps: torch.Tensor
 
 
+def arrays(path: Path) -> dict[str, np.ndarray]:
+    """All arrays of a file that `dsfeat.prepare` wrote."""
+    if not path.is_file():
+        raise SystemExit(f"{path}: not there; run `python -m dsfeat.prepare` first")
+    with np.load(path) as file:
+        return {k: file[k] for k in file.files}
+
+
 def mirrored(points: np.ndarray, flip: bool) -> np.ndarray:
     """Points [..., 2k] in -1..1 with x negated where the images are mirrored."""
     if not flip:
@@ -50,34 +58,24 @@ def mirrored(points: np.ndarray, flip: bool) -> np.ndarray:
     return out
 
 
-class Matching:
-    """The prepared triplets and motion labels, drawn at random.
+class Triplets:
+    """The prepared triplets, drawn at random.
 
     Triplets are mirrored at random but never cropped, for their descriptors are those of the whole frame.
 
     `triplets`: images [N, 96, 320] uint8, descriptors [N, h, w, C] float16, index [T, 3], points [T, 2, K, 4],
-    errors [T, 2, K] (-1 unused), source [T]. `frames`: images and maps [N, H, W] uint8.
+    errors [T, 2, K] (-1 unused), source [T].
     """
 
-    def __init__(self, triplets: dict[str, np.ndarray], frames: dict[str, np.ndarray]):
+    def __init__(self, triplets: dict[str, np.ndarray]):
         self.triplets = triplets
-        self.frames = frames
         sources = triplets["source"]
         self.by_source = [np.flatnonzero(sources == s) for s in np.unique(sources)]
-        moving = (frames["maps"] == MOVED).mean(axis=(1, 2))
-        # Frames without movers teach that parked cars are static; those with movers are drawn as often.
-        self.by_traffic = [x for x in (np.flatnonzero(moving >= 0.002), np.flatnonzero(moving < 0.002)) if len(x)]
 
     @classmethod
-    def load(cls, cache: Path) -> "Matching":
-        """Reads what `dsfeat.prepare` wrote."""
-        for name in (TRIPLETS, MOTION):
-            if not (cache / name).is_file():
-                raise SystemExit(f"{cache / name}: not there; run `python -m dsfeat.prepare` first")
-        with np.load(cache / TRIPLETS) as file:
-            triplets = {k: file[k] for k in file.files}
-        with np.load(cache / MOTION) as file:
-            return cls(triplets, {k: file[k] for k in file.files})
+    def load(cls, cache: Path) -> "Triplets":
+        """Reads what `dsfeat.prepare triplets` wrote."""
+        return cls(arrays(cache / TRIPLETS))
 
     def triplet_batch(self, rng: np.random.Generator, size: int) -> TripletBatch:
         """`size` triplets, each source of triplets equally often."""
@@ -96,6 +94,22 @@ class Matching:
             for k in (0, 1)
         ]
         return TripletBatch(images, descriptors, *pairs)
+
+
+class Matching(Triplets):
+    """The prepared triplets and motion labels. `frames`: images and maps [N, H, W] uint8."""
+
+    def __init__(self, triplets: dict[str, np.ndarray], frames: dict[str, np.ndarray]):
+        super().__init__(triplets)
+        self.frames = frames
+        moving = (frames["maps"] == MOVED).mean(axis=(1, 2))
+        # Frames without movers teach that parked cars are static; those with movers are drawn as often.
+        self.by_traffic = [x for x in (np.flatnonzero(moving >= 0.002), np.flatnonzero(moving < 0.002)) if len(x)]
+
+    @classmethod
+    def load(cls, cache: Path) -> "Matching":
+        """Reads what `dsfeat.prepare` wrote."""
+        return cls(arrays(cache / TRIPLETS), arrays(cache / MOTION))
 
     def motion_batch(self, rng: np.random.Generator, size: int) -> MotionBatch:
         """`size` augmented frames with refined maps, with and without movers in turn."""

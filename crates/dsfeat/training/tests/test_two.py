@@ -1,0 +1,122 @@
+"""The network with two answers: shapes, what the answers mean, codes of frames, views, a step's determinism, export."""
+
+import numpy as np
+import pytest
+import torch
+
+from dsfeat import streets, train_two, two_export, views
+from dsfeat.streets import IGNORED, MOVING, STANDING, STILL, VEHICLE, Frames
+from dsfeat.teachers import tiles
+from dsfeat.two_answers import SIZES, Logits, TwoAnswers, places
+
+
+def frames(name: str = "noise") -> Frames:
+    rng = np.random.default_rng(1)
+    images = rng.integers(0, 256, (4, 64, 200), dtype=np.uint8)
+    codes = rng.integers(0, 5, images.shape, dtype=np.uint8)
+    return Frames(name, images, codes, np.array(["a", "a", "b", "c"]), 200 / 64)
+
+
+def config(**values) -> train_two.Config:
+    return train_two.Config(sizes=[[32, 96, 1.0]], groups=[{"count": 2, "sets": {"noise": 1.0}}], **values)
+
+
+def test_the_answers_have_half_the_size_and_fade_where_the_scene_is_unknown():
+    network = TwoAnswers().eval()
+    for size in SIZES.values():
+        logits = network(torch.rand(1, 1, *size))
+        activation, lasting, known = logits.answers()
+        assert activation.shape == lasting.shape == (1, 1, size[0] // 2, size[1] // 2) and known.shape == (1, 1, 1, 1)
+        assert bool((activation >= lasting).all()), "what moves is a part of what does not last"
+    faded = Logits(logits.dynamic, logits.moves, torch.full((1, 1, 1, 1), -30.0)).answers()
+    assert float(faded[0].min()) > 1 - 1e-6 and float(faded[1].min()) > 1 - 1e-6
+
+
+def test_places_of_a_window_are_those_of_the_frame():
+    whole = places(torch.tensor([[0.0, 0.0, 1.0, 1.0]]), 4, 8)
+    right = places(torch.tensor([[0.5, 0.5, 0.5, 0.5]]), 2, 4)
+    assert torch.allclose(whole[:, :, 2:, 4:], right)
+
+
+def test_teachers_tiles_cover_the_frame():
+    for size, count in (((1242, 375), 4), ((427, 240), 2), ((300, 300), 1)):
+        found = tiles(*size)
+        assert len(found) == count and found[0][0] == 0 and found[-1][1] == size[0]
+        assert all(b[0] <= a[1] for a, b in zip(found, found[1:]))
+
+
+def test_motion_labels_give_teachers_regions_their_state():
+    codes = np.full((8, 12), STILL, np.uint8)
+    codes[2:4, 1:5], codes[2:4, 7:11] = VEHICLE, VEHICLE
+    motion = np.full(codes.shape, streets.LABEL_STATIC, np.uint8)
+    motion[2:4, 1:4], motion[2:4, 4], motion[6, 6] = streets.LABEL_MOVING, streets.UNKNOWN, streets.LABEL_STANDING
+    motion[2:4, 7:9] = streets.UNKNOWN
+    found = streets.with_motion(codes, motion)
+    assert (found[2:4, 1:5] == MOVING).all(), "the region follows what is known of most of it"
+    assert (found[2:4, 7:9] == VEHICLE).all(), "nobody knows whether this one moves"
+    assert (found[2:4, 9:11] == IGNORED).all() and found[6, 6] == IGNORED, "one against the other"
+    assert found[0, 0] == STILL
+
+
+def test_states_by_points():
+    codes = np.full((10, 10), STILL, np.uint8)
+    codes[:3, :3], codes[6:, 6:] = VEHICLE, VEHICLE
+    found = streets.with_states(codes, [(0.1, 0.1, "s"), (0.9, 0.9, "m"), (0.5, 0.1, "m")])
+    assert found[1, 1] == STANDING and found[8, 8] == MOVING and found[1, 5] == STILL
+
+
+def test_drives_of_clips():
+    assert streets.drive_of("Seq009_Clip01_004") == "Seq009" and streets.drive_of("kitti03_000002_cam2") == "kitti03"
+    assert streets.drive_of("car-shadow_00004") == "car-shadow" and streets.drive_of("p268_000006") == "p268"
+    every = [d for third in streets.THIRDS for d in third]
+    assert len(every) == len(set(every))
+
+
+def test_a_view_shows_image_and_codes_alike():
+    codes = np.zeros((60, 120), np.uint8)
+    codes[20:40, 30:90] = MOVING
+    rng = np.random.default_rng(3)
+    for _ in range(10):
+        found = views.view(rng, (codes * 80).astype(np.uint8), codes, 2.0, (64, 128), 0.6, True)
+        assert found.image.shape == (64, 128) and found.codes.shape == (32, 64)
+        bright = found.image[::2, ::2] > 0.5 * (found.image.min() + found.image.max())
+        if (found.codes == MOVING).any() and found.image.std() > 0.1:
+            assert (bright == (found.codes == MOVING)).mean() > 0.8
+
+
+def stepped(tmp_path, key: int) -> dict[str, torch.Tensor]:
+    """Weights after one step."""
+    streets.save(frames(), tmp_path)
+    settings = config(hybrid=True)
+    groups = [train_two.Group(g["count"], g["sets"], 0.5, [], tmp_path) for g in settings.groups]
+    torch.manual_seed(1)
+    network = TwoAnswers()
+    optimizer = train_two.optimizer_of(network, settings)
+    train_two.step_losses(network, groups, None, settings, 3, key)[0].backward()
+    optimizer.step()
+    return network.state_dict()
+
+
+def test_a_step_depends_on_its_number_only(tmp_path):
+    one, two, other = stepped(tmp_path, 1), stepped(tmp_path, 1), stepped(tmp_path, 2)
+    assert all(torch.equal(one[k], two[k]) for k in one)
+    assert not torch.equal(one["head.weight"], other["head.weight"])
+
+
+def test_drives_left_out_are_not_drawn(tmp_path):
+    streets.save(frames(), tmp_path)
+    group = train_two.Group(2, {"noise": 1.0}, 0.5, ["a", "b"], tmp_path)
+    assert [len(d) for d in group.sets[0][1]] == [1]
+
+
+def test_the_export_gives_pytorchs_answers(tmp_path):
+    torch.manual_seed(2)
+    network = TwoAnswers().eval()
+    two_export.export_onnx(network, tmp_path / "two.onnx", SIZES["small"])
+    assert two_export.compare(network, tmp_path / "two.onnx", SIZES["small"]) < 1e-4
+
+
+def test_unknown_settings_are_refused(tmp_path):
+    (tmp_path / "c.json").write_text('{"rat": 1}')
+    with pytest.raises(SystemExit, match="unknown keys rat"):
+        train_two.read(tmp_path / "c.json")
