@@ -63,7 +63,7 @@ def strange_frames(folders: list[Path], most: int) -> dict[str, list[np.ndarray]
     """At most `most` evenly spread gray frames of each folder, in order."""
     found = {}
     for folder in folders:
-        paths = sorted(p for p in folder.iterdir() if p.suffix in (".png", ".jpg", ".webp"))
+        paths = sorted((p for p in folder.iterdir() if p.suffix in (".png", ".jpg", ".webp")), key=lambda p: (len(p.name), p.name))
         chosen = np.linspace(0, len(paths) - 1, min(most, len(paths))).round().astype(int)
         found[str(folder)] = [read_grey(paths[i]) for i in chosen]
     return found

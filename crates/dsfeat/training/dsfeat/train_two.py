@@ -1,9 +1,8 @@
 """Trains the network with two answers.
 
-    python -m dsfeat.train_two --config configs/two_base.json --start imagenet --out runs/base
-    python -m dsfeat.train_two --config configs/two.json --start runs/base/last.pt --out runs/two
+    python -m dsfeat.train_two --config configs/two.json --start imagenet --out runs/two
 
-The first run learns classes only (eq. 1), the second all losses (eq. 7). Each epoch ends with a checkpoint (`last.pt`); a
+Each epoch ends with a checkpoint (`last.pt`); a
 stopped run continues from it with the same result, for every random number comes from (seed, epoch, step).
 """
 
@@ -59,6 +58,9 @@ class Config:
     weight_sparse: float = 0.1
     moved_weight: float = 4.0
     standing_weight: float = 2.0
+    #: Margins of the triplet loss for the dense and the sparse distance.
+    margin_dense: float = 0.2
+    margin_sparse: float = 0.3
     #: A triplet in every n-th step.
     triplet_every: int = 4
     #: Images per step of each group: names of sets; a group draws a set, a drive of the set, a frame.
@@ -222,7 +224,7 @@ def run(config: Config, start: Path, out: Path, cache: Path, last: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--config", type=Path, required=True, help="JSON file of settings (configs/two*.json)")
+    parser.add_argument("--config", type=Path, required=True, help="JSON file of settings (`configs/two.json`)")
     parser.add_argument("--start", type=Path, required=True, help="weights to start from: `imagenet`, or a run's last.pt")
     parser.add_argument("--out", type=Path, required=True, help="folder of the run: checkpoint and log")
     parser.add_argument("--third", type=int, choices=(0, 1, 2), help="leave out this third of the drives (`dsfeat.streets.THIRDS`)")

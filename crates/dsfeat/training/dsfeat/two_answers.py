@@ -174,7 +174,7 @@ class TwoAnswers(nn.Module):
         middle = self.up_eighth(deep, eighth)
         if box is None:
             box = torch.tensor([[0.0, 0.0, 1.0, 1.0]])
-        moves = self.moves(middle, scene, places(box, image.shape[2] // 8, image.shape[3] // 8))
+        moves = self.moves(middle, scene, places(box, int(image.shape[2]) // 8, int(image.shape[3]) // 8))
         moves = F.interpolate(moves, scale_factor=4.0, mode="bilinear", align_corners=False)
         dynamic = self.head(self.up_half(self.up_quarter(middle, quarter), half))
         # The scene's features are not moved by `known`: what the network knows is asked, not taught.

@@ -126,13 +126,14 @@ def third(cache: Path, number: int) -> list[Frames]:
 
 
 def evaluate(predict: Predict, cache: Path, left_out: int | None) -> dict[str, dict[str, float]]:
-    """All validation sets: classes, `dev`, and the third that the network has not seen."""
-    found = {name: classes(predict, streets.load(name, cache)) for name in CLASSES}
-    found["dev"] = states(predict, [streets.load("dev", cache)])
-    if left_out is not None:
-        sets = third(cache, left_out)
-        found[f"third_{left_out}"] = states(predict, sets)
-        for frames in sets:
-            for drive in np.unique(frames.drives):
-                found[f"  {drive}"] = states(predict, [frames.of(np.flatnonzero(frames.drives == drive))])
+    """Classes on the validation sets and states on `dev`; or states on the third of the drives that was left out."""
+    if left_out is None:
+        found = {name: classes(predict, streets.load(name, cache)) for name in CLASSES}
+        found["dev"] = states(predict, [streets.load("dev", cache)])
+        return found
+    sets = third(cache, left_out)
+    found = {f"third_{left_out}": states(predict, sets)}
+    for frames in sets:
+        for drive in np.unique(frames.drives):
+            found[f"  {drive}"] = states(predict, [frames.of(np.flatnonzero(frames.drives == drive))])
     return found

@@ -44,7 +44,7 @@ def grid(box: tuple[float, float, float, float], size: tuple[int, int], source: 
     factor = 1 + bend * (u * u + v * v - 1)
     x = box[0] + box[2] * (0.5 + 0.5 * u * factor)
     y = box[1] + box[3] * (0.5 + 0.5 * v * factor)
-    return x * source[1] - 0.5, y * source[0] - 0.5
+    return (x * source[1] - 0.5).astype(np.float32), (y * source[0] - 0.5).astype(np.float32)
 
 
 def smoothed(image: np.ndarray, shrink: tuple[float, float]) -> np.ndarray:
