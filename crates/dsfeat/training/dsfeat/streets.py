@@ -3,7 +3,7 @@
     python -m dsfeat.streets --outlines LABELS [--states states.csv]
 
 Codes of a pixel: 0 ignored, 1 static, 2 standing vehicle, 3 moving vehicle or person, 4 vehicle of which nobody knows
-whether it moves. Class labels of the data sets give 1 and 4 (people 3); in KITTI's frames the outlines come from the
+whether it moves. Class labels of the datasets give 1 and 4 (people 3); in KITTI's frames the outlines come from the
 vote of the teachers (`dsfeat.teachers`) and the state from the motion labels or from `states.csv`, a list of vehicles that
 were looked at (file, x, y, state: a point of the label file, `s` standing or `m` moving).
 """

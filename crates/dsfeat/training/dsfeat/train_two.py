@@ -2,8 +2,8 @@
 
     python -m dsfeat.train_two --config configs/two.json --start imagenet --out runs/two
 
-Each epoch ends with a checkpoint (`last.pt`); a
-stopped run continues from it with the same result, for every random number comes from (seed, epoch, step).
+Each epoch ends with a checkpoint (`last.pt`); a stopped run continues from it with the same result, for every random number
+comes from (seed, epoch, step).
 """
 
 import argparse
