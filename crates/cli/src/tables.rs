@@ -69,7 +69,7 @@ pub(crate) mod tests {
     use super::*;
     use geometry::{SE3, SO3, Vec3};
     use map::KeyframeId;
-    use runtime::{FrameTimings, Unusable};
+    use runtime::{FrameStatus, FrameTimings, Unusable};
 
     /// A frame at x = `x` metres, or a dropped one.
     pub(crate) fn record(index: u32, x: Option<f64>) -> FrameRecord {
