@@ -44,7 +44,7 @@ pub fn estimate_alignment(est: &[SE3], gt: &[SE3], alignment: Alignment) -> Resu
     ensure!(est.len() >= 3, "alignment {alignment} needs at least 3 matched poses, found {}", est.len());
     align_umeyama(&positions(est), &positions(gt), None, with_scale).ok_or_else(|| {
         anyhow!(
-            "alignment {alignment} is not determined: the {} positions lie on one line or in one place",
+            "alignment {alignment} is not determined: the {} positions lie on a line or at a single point",
             est.len()
         )
     })

@@ -91,7 +91,7 @@ fn by_index(n_est: usize, n_gt: usize) -> Result<Vec<(usize, usize)>> {
     ensure!(
         n_est == n_gt,
         "different lengths: the estimate has {n_est} poses, the ground truth {n_gt}; matching by index needs one \
-         pose per frame (fill lost frames, or put the frame number in front of the 12 values)"
+         pose per frame (fill lost frames, or prefix each row with its frame number)"
     );
     Ok((0..n_est).map(|i| (i, i)).collect())
 }

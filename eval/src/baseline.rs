@@ -1,4 +1,4 @@
-//! Published results that stand beside ours in tables and charts, each with its source (`eval/baselines/*.yaml`).
+//! Published results shown beside ours in tables and charts, each with its source (`eval/baselines/*.yaml`).
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -48,7 +48,7 @@ impl Metric {
     }
 }
 
-/// Published figures of one system on one data set.
+/// Published figures of one system on one dataset.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Baseline {
@@ -115,7 +115,7 @@ pub fn read_baselines(extra: Option<&Path>) -> Result<Vec<Baseline>> {
 
 fn parse(text: &str) -> Result<Baseline> {
     let baseline: Baseline = serde_saphyr::from_str(text)?;
-    ensure!(!baseline.source.trim().is_empty(), "the source is empty: a published figure needs one");
+    ensure!(!baseline.source.trim().is_empty(), "the source is empty: every published figure needs a source");
     Ok(baseline)
 }
 
@@ -155,6 +155,9 @@ mod tests {
     fn a_baseline_without_source_is_refused() {
         let text =
             "name: a\nsource: ''\ndataset: kitti\nsensor: stereo\nmetrics: {ate_rmse_m: {'00': 1.0}}\n";
-        assert_eq!(parse(text).unwrap_err().to_string(), "the source is empty: a published figure needs one");
+        assert_eq!(
+            parse(text).unwrap_err().to_string(),
+            "the source is empty: every published figure needs a source"
+        );
     }
 }

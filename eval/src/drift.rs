@@ -140,14 +140,14 @@ pub fn pool_drift(sequences: &[&Drift]) -> DriftOfSequences {
 ///
 /// # Errors
 /// Different lengths, no poses, or a segment length that is not positive. A sequence too short for every length is
-/// no error: its figures are `None`.
+/// not an error: its figures are `None`.
 pub fn kitti_drift(est: &[SE3], gt: &[SE3], lengths_m: &[f64]) -> Result<Drift> {
     check_matched(est, gt)?;
     let est: Vec<Option<SE3>> = est.iter().copied().map(Some).collect();
     kitti_drift_sparse(&est, gt, lengths_m)
 }
 
-/// Drift of an estimate that lacks poses: segments with a missing end are left out and counted.
+/// Drift of an estimate that lacks poses: segments with a missing end are skipped and counted.
 ///
 /// # Errors
 /// As [`kitti_drift`].
@@ -158,14 +158,14 @@ pub fn kitti_drift_sparse(est: &[Option<SE3>], gt: &[SE3], lengths_m: &[f64]) ->
     }
     // Plain 4x4 matrices and their general inverse: files carry 7 digits, so their rotations are not exactly
     // orthonormal, and the devkit takes them as they are.
-    let travelled = path_lengths(gt);
+    let traveled = path_lengths(gt);
     let gt: Vec<Matrix4<f64>> = gt.iter().map(SE3::matrix).collect();
     let est: Vec<Option<Matrix4<f64>>> = est.iter().map(|p| p.as_ref().map(SE3::matrix)).collect();
     let mut segments = Vec::new();
     let mut n_without_estimate = 0;
     for first in (0..gt.len()).step_by(START_STEP) {
         for &length_m in lengths_m {
-            let Some(last) = segment_end(&travelled, first, length_m) else { continue };
+            let Some(last) = segment_end(&traveled, first, length_m) else { continue };
             let (Some(est_first), Some(est_last)) = (&est[first], &est[last]) else {
                 n_without_estimate += 1;
                 continue;
@@ -197,10 +197,10 @@ pub(crate) fn path_lengths(poses: &[SE3]) -> Vec<f64> {
 }
 
 /// First frame whose path length exceeds the start's by more than `length_m`.
-fn segment_end(travelled: &[f64], first: usize, length_m: f64) -> Option<usize> {
-    let limit = travelled[first] + length_m;
-    let last = first + travelled[first..].partition_point(|&d| d <= limit);
-    (last < travelled.len()).then_some(last)
+fn segment_end(traveled: &[f64], first: usize, length_m: f64) -> Option<usize> {
+    let limit = traveled[first] + length_m;
+    let last = first + traveled[first..].partition_point(|&d| d <= limit);
+    (last < traveled.len()).then_some(last)
 }
 
 /// `a^-1 b` with the general inverse of `a`.

@@ -145,7 +145,7 @@ pub struct Evaluation {
     pub t_std_percent: Option<f64>,
     /// Number of segments.
     pub n_segments: usize,
-    /// Segments left out for want of a pose.
+    /// Segments skipped for lack of a pose.
     pub n_segments_skipped: usize,
     /// Drift by segment length, meters.
     pub per_length: Vec<DriftBin>,

@@ -1,4 +1,4 @@
-//! Metrics, tables and plots of trajectories: by what this field judges a run, computed to the letter of its definitions.
+//! Metrics, tables and plots of trajectories: the field's own figures, computed to the letter of their definitions.
 //!
 //! Start reading at [`Evaluation::of`], the one evaluator, and at its [`kitti_drift`] (t_rel, r_rel) and [`ate()`](fn@ate).
 //! Poses are `world_from_cam`, lengths meters.

@@ -127,7 +127,7 @@ const MAX_HOLE: usize = 10;
 pub fn score_loops(detections: &[(usize, usize)], truth: &LoopTruth) -> Result<LoopScore> {
     let n = truth.n_frames();
     if let Some((query, answer)) = detections.iter().find(|(q, a)| *q.max(a) >= n) {
-        bail!("detection {query} -> {answer} names a frame beyond the {n} of the ground truth");
+        bail!("detection {query} -> {answer} names a frame beyond the {n} frames of the ground truth");
     }
     let mut found: Vec<usize> =
         detections.iter().filter(|(q, a)| truth.is_correct(*q, *a)).map(|(q, a)| *q.max(a)).collect();

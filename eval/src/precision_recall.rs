@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// One answer of a place-recognition system.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Detection {
-    /// Confidence, smaller is better: the mean re-projection error of the RANSAC inliers, pixels.
+    /// Confidence, smaller is better: the mean reprojection error of the RANSAC inliers, pixels.
     pub score: f64,
     /// Whether query and answer show the same place.
     pub is_correct: bool,

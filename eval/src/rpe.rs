@@ -13,8 +13,8 @@ use crate::statistics::Statistics;
 pub enum DeltaUnit {
     /// Frames.
     Frames,
-    /// Metres along the path.
-    Metres,
+    /// Meters along the path.
+    Meters,
 }
 
 /// Which pairs are compared.
@@ -75,8 +75,8 @@ pub struct RpeReport {
 /// Different lengths, a delta that is not positive (or no whole number of frames), or no pair that far apart.
 pub fn rpe(est: &[SE3], gt: &[SE3], options: &RpeOptions) -> Result<RpeReport> {
     check_matched(est, gt)?;
-    let travelled = path_lengths(if options.pairs_from_ground_truth { gt } else { est });
-    let pairs = select_pairs(&travelled, options)?;
+    let traveled = path_lengths(if options.pairs_from_ground_truth { gt } else { est });
+    let pairs = select_pairs(&traveled, options)?;
     let mut translation_errors = Vec::with_capacity(pairs.len());
     let mut rotation_errors = Vec::with_capacity(pairs.len());
     for &(i, j) in &pairs {
@@ -92,7 +92,7 @@ pub fn rpe(est: &[SE3], gt: &[SE3], options: &RpeOptions) -> Result<RpeReport> {
             "no two poses are {} {unit} apart: {} poses, {:.3} m",
             options.delta,
             est.len(),
-            travelled[est.len() - 1]
+            traveled[est.len() - 1]
         )
     };
     Ok(RpeReport {
@@ -103,32 +103,32 @@ pub fn rpe(est: &[SE3], gt: &[SE3], options: &RpeOptions) -> Result<RpeReport> {
     })
 }
 
-fn select_pairs(travelled: &[f64], options: &RpeOptions) -> Result<Vec<(usize, usize)>> {
+fn select_pairs(traveled: &[f64], options: &RpeOptions) -> Result<Vec<(usize, usize)>> {
     let delta = options.delta;
     ensure!(delta.is_finite() && delta > 0.0, "the delta must be positive, found {delta}");
     match options.unit {
         DeltaUnit::Frames => {
             ensure!(delta.fract() == 0.0, "a delta in frames must be a whole number, found {delta}");
-            let (step, n) = (delta as usize, travelled.len());
+            let (step, n) = (delta as usize, traveled.len());
             let starts = 0..n.saturating_sub(step);
             Ok(match options.pairs {
                 PairMode::All => starts.map(|i| (i, i + step)).collect(),
                 PairMode::Consecutive => starts.step_by(step).map(|i| (i, i + step)).collect(),
             })
         }
-        DeltaUnit::Metres => Ok(match options.pairs {
-            PairMode::Consecutive => consecutive_by_path(travelled, delta),
-            PairMode::All => all_by_path(travelled, delta, options.relative_tolerance * delta),
+        DeltaUnit::Meters => Ok(match options.pairs {
+            PairMode::Consecutive => consecutive_by_path(traveled, delta),
+            PairMode::All => all_by_path(traveled, delta, options.relative_tolerance * delta),
         }),
     }
 }
 
 /// The next pair ends at the first frame at least `delta` meters further on.
-fn consecutive_by_path(travelled: &[f64], delta: f64) -> Vec<(usize, usize)> {
+fn consecutive_by_path(traveled: &[f64], delta: f64) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     let mut start = 0;
-    for (i, &distance) in travelled.iter().enumerate() {
-        if distance - travelled[start] >= delta {
+    for (i, &distance) in traveled.iter().enumerate() {
+        if distance - traveled[start] >= delta {
             pairs.push((start, i));
             start = i;
         }
@@ -138,12 +138,12 @@ fn consecutive_by_path(travelled: &[f64], delta: f64) -> Vec<(usize, usize)> {
 
 /// From each frame to the one whose distance is nearest to `delta`, if within the tolerance; the first of equally near ones
 /// (a camera that stands still).
-fn all_by_path(travelled: &[f64], delta: f64, tolerance: f64) -> Vec<(usize, usize)> {
+fn all_by_path(traveled: &[f64], delta: f64, tolerance: f64) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
-    for i in 0..travelled.len().saturating_sub(1) {
-        let later = &travelled[i + 1..];
-        let gap = |k: usize| (later[k] - travelled[i] - delta).abs();
-        let above = later.partition_point(|&d| d - travelled[i] < delta);
+    for i in 0..traveled.len().saturating_sub(1) {
+        let later = &traveled[i + 1..];
+        let gap = |k: usize| (later[k] - traveled[i] - delta).abs();
+        let above = later.partition_point(|&d| d - traveled[i] < delta);
         let below = above.checked_sub(1).map(|k| later.partition_point(|&d| d < later[k]));
         let above = Some(above).filter(|&k| k < later.len());
         let nearest = below.into_iter().chain(above).min_by(|&a, &b| gap(a).total_cmp(&gap(b)));
@@ -177,8 +177,8 @@ mod tests {
     }
 
     #[test]
-    fn pairs_by_metres() {
-        let five = RpeOptions { delta: 5.0, unit: DeltaUnit::Metres, ..RpeOptions::default() };
+    fn pairs_by_meters() {
+        let five = RpeOptions { delta: 5.0, unit: DeltaUnit::Meters, ..RpeOptions::default() };
         assert_eq!(pairs(five), [(0, 3), (3, 5)]);
         // Distances 6, 5, 3 or 7, 4, 5: the third start has none within 10 %, the fourth needs 20 %.
         assert_eq!(pairs(RpeOptions { pairs: PairMode::All, ..five }), [(1, 3), (4, 5)]);
@@ -211,7 +211,7 @@ mod tests {
             "no two poses are 4 frames apart: 4 poses, 6.000 m"
         );
         assert_eq!(
-            message(RpeOptions { delta: 7.0, unit: DeltaUnit::Metres, ..frames }),
+            message(RpeOptions { delta: 7.0, unit: DeltaUnit::Meters, ..frames }),
             "no two poses are 7 m apart: 4 poses, 6.000 m"
         );
         assert_eq!(

@@ -36,26 +36,24 @@ pub struct ScaleDrift {
 pub fn scale_drift(est: &[SE3], gt: &[SE3], window_m: f64) -> Result<ScaleDrift> {
     check_matched(est, gt)?;
     ensure!(window_m.is_finite() && window_m > 0.0, "the window must be positive, found {window_m} m");
-    let travelled = path_lengths(gt);
+    let traveled = path_lengths(gt);
     let (est, gt) = (positions(est), positions(gt));
     let mut windows = Vec::new();
     let mut start = 0;
-    for end in 0..travelled.len() {
-        if travelled[end] - travelled[start] < window_m {
+    for end in 0..traveled.len() {
+        if traveled[end] - traveled[start] < window_m {
             continue;
         }
         let (true_spread, spread) = (spread(&gt[start..=end]), spread(&est[start..=end]));
         ensure!(spread > 0.0, "the estimate stands still from pose {start} to {end}: it has no scale there");
-        windows.push(ScaleWindow {
-            at_m: 0.5 * (travelled[start] + travelled[end]),
-            scale: true_spread / spread,
-        });
+        windows
+            .push(ScaleWindow { at_m: 0.5 * (traveled[start] + traveled[end]), scale: true_spread / spread });
         start = end;
     }
     ensure!(
         windows.len() >= 2,
         "scale drift needs two windows of {window_m} m, the path has {:.1} m",
-        travelled[travelled.len() - 1]
+        traveled[traveled.len() - 1]
     );
     Ok(ScaleDrift {
         last_over_first: windows[windows.len() - 1].scale / windows[0].scale,
@@ -67,8 +65,8 @@ pub fn scale_drift(est: &[SE3], gt: &[SE3], window_m: f64) -> Result<ScaleDrift>
 /// Root mean square distance from the centroid, meters.
 fn spread(points: &[Vec3]) -> f64 {
     let n = points.len() as f64;
-    let centre = points.iter().sum::<Vec3>() / n;
-    (points.iter().map(|p| (p - centre).norm_squared()).sum::<f64>() / n).sqrt()
+    let center = points.iter().sum::<Vec3>() / n;
+    (points.iter().map(|p| (p - center).norm_squared()).sum::<f64>() / n).sqrt()
 }
 
 fn slope_of_log(windows: &[ScaleWindow]) -> f64 {

@@ -86,7 +86,7 @@ fn pose_observations([first, second]: &[Frame; 2]) -> Vec<PoseObservation> {
 }
 
 /// A window of keyframes that drive forward through the points of a real frame, measured to a tenth of a pixel and
-/// displaced by some centimetres.
+/// displaced by some centimeters.
 fn bundle_problem(frame: &Frame) -> BundleProblem {
     const N_CAMERAS: usize = 12;
     let rig = frame.rig.stereo;

@@ -19,7 +19,7 @@ struct Street {
     n_new: u32,
 }
 
-/// What a drive over several hundred metres leaves.
+/// What a drive over several hundred meters leaves.
 const MEASURED: Street = Street { n_keyframes: 300, n_features: 1_500, n_new: 134 };
 /// Enough that saving takes a while.
 const SAVED: Street = Street { n_keyframes: 40, n_features: 1_000, n_new: 100 };
@@ -86,7 +86,7 @@ fn measure(street: &Street) -> Result<(), Box<dyn Error>> {
 }
 
 impl Street {
-    /// Keyframes in a row, one metre apart; the points of each are seen in the next ones too.
+    /// Keyframes in a row, one meter apart; the points of each are seen in the next ones too.
     fn map(&self) -> Result<Map, Box<dyn Error>> {
         let stereo =
             StereoRig { camera: Pinhole { fx: 718.0, fy: 718.0, cx: 607.0, cy: 185.0 }, baseline_m: 0.54 };

@@ -56,7 +56,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The default setup with so many features or candidates, without a calibration pass.
+/// The default setup with this number of features or candidates, without a calibration pass.
 fn setup(sequence: &Sequence, keep: usize) -> Result<Setup, Failure> {
     let calibration = sequence.calibration.clone().ok_or("the sequence has no calibration")?;
     let image = io::load_gray(&sequence.frames[0].left)?;

@@ -20,7 +20,7 @@ use io::Sequence;
 
 /// Frames between the two of a pair.
 const STEP: usize = 3;
-/// Pairs start at every so many frames.
+/// Pairs start at every N-th frame.
 const EVERY: usize = 5;
 /// Value of what moves in the masks of `dsslam synth`.
 const MOVING: u8 = synth::LABEL_MOVING;
@@ -87,7 +87,7 @@ fn pairs(sequence: &Sequence, model: &[u8]) -> Result<Vec<Pair>, Failure> {
     let network = dsfeat::Network::load(model, None, 1)?;
     let mut view = |i: usize| -> Result<View, Failure> {
         let images = io::load_frame(&sequence.frames[i])?;
-        let right = images.right.ok_or("there is no right image")?;
+        let right = images.right.ok_or("the right image is missing")?;
         let (frame, _) = builder.stereo(i as u32, i as f64, &images.left, &right)?;
         let map = network.activation(&images.left)?;
         let mask = mask_of(&sequence.frames[i].left);

@@ -12,7 +12,7 @@ use crate::exit::{Exit, Failure, OrExit};
 use crate::selected::Selected;
 use crate::stage;
 
-/// Colours of kept and dropped features.
+/// Colors of kept and dropped features.
 const KEPT: [u8; 3] = [40, 230, 60];
 const DROPPED: [u8; 3] = [235, 50, 40];
 /// Rows or columns of white between the pictures.
@@ -32,7 +32,7 @@ pub(crate) fn run(args: &ActivationArgs) -> Result<Exit, Failure> {
     let selected = Selected::of(&mut picture, &args.network).or_input()?;
     let image = picture.image;
     let picture = beside(&[
-        grey(&image),
+        gray(&image),
         heat_map(&image, &selected.map),
         features_drawn(&image, &[(&selected.dropped, DROPPED), (&selected.kept.keypoints, KEPT)]),
     ]);
@@ -58,30 +58,30 @@ fn report(selected: &Selected) -> String {
     text
 }
 
-fn grey(image: &GrayImage) -> io::Rgb {
+fn gray(image: &GrayImage) -> io::Rgb {
     Raster { width: image.width, height: image.height, data: image.data.iter().map(|&v| [v; 3]).collect() }
 }
 
 /// The image with a square around each feature.
 fn features_drawn(image: &GrayImage, groups: &[(&[Keypoint], [u8; 3])]) -> io::Rgb {
-    let mut picture = grey(image);
-    for &(features, colour) in groups {
+    let mut picture = gray(image);
+    for &(features, color) in groups {
         for feature in features {
-            square(&mut picture, (feature.x.round() as i64, feature.y.round() as i64), colour);
+            square(&mut picture, (feature.x.round() as i64, feature.y.round() as i64), color);
         }
     }
     picture
 }
 
 /// A square of 5 x 5 pixels, its outline only.
-fn square(picture: &mut io::Rgb, (x, y): (i64, i64), colour: [u8; 3]) {
+fn square(picture: &mut io::Rgb, (x, y): (i64, i64), color: [u8; 3]) {
     const REACH: i64 = 2;
     for dy in -REACH..=REACH {
         for dx in (-REACH..=REACH).filter(|dx| dx.abs().max(dy.abs()) == REACH) {
             let (column, row) = (usize::try_from(x + dx), usize::try_from(y + dy));
             let (Ok(column), Ok(row)) = (column, row) else { continue };
             if column < picture.width && row < picture.height {
-                picture.row_mut(row)[column] = colour;
+                picture.row_mut(row)[column] = color;
             }
         }
     }

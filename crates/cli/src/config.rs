@@ -26,10 +26,10 @@ pub(crate) struct CheckArgs {
     /// The file to check, or the name of a built-in configuration; without it the defaults, or what goes with --sequence.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Overrides one key, as `dsslam run` does; may be given several times.
+    /// Overrides one key, as in `dsslam run`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// A sequence, whose calibration wins over the file's camera.
+    /// A sequence, whose calibration takes precedence over the file's camera.
     #[arg(long, value_name = "SEQUENCE")]
     sequence: Option<PathBuf>,
     /// Shows only what differs from the defaults.
@@ -38,7 +38,7 @@ pub(crate) struct CheckArgs {
     /// Shows all keys, also those for people who know the algorithms.
     #[arg(long, conflicts_with = "changed")]
     expert: bool,
-    /// Prints the complete configuration as YAML instead, as `dsslam run` writes it into its results.
+    /// Prints the complete configuration as YAML instead, as in the results of `dsslam run`.
     #[arg(long, conflicts_with = "changed")]
     yaml: bool,
 }

@@ -1,6 +1,6 @@
 //! What the program says: results on standard output, everything else on standard error.
 //!
-//! A closed pipe (`dsslam run ... | head`) is not an error; colours appear only on a terminal and never with `NO_COLOR`; progress bars appear
+//! A closed pipe (`dsslam run ... | head`) is not an error; colors appear only on a terminal and never with `NO_COLOR`; progress bars appear
 //! only on a terminal. `--quiet`, `-v` and `--log-format` are set once, before the command begins.
 
 use std::io::{IsTerminal, Write};
@@ -178,13 +178,13 @@ pub(crate) fn bar(length: Option<u64>, template: &str) -> ProgressBar {
     bar
 }
 
-/// `text` in the given ANSI style when standard error shows colours.
+/// `text` in the given ANSI style when standard error shows colors.
 fn paint(text: &str, style: &str) -> String {
-    if shows_colours() { format!("\x1b[{style}m{text}\x1b[0m") } else { text.to_owned() }
+    if shows_colors() { format!("\x1b[{style}m{text}\x1b[0m") } else { text.to_owned() }
 }
 
-/// Whether standard error is a terminal that wants colours (<https://no-color.org>).
-fn shows_colours() -> bool {
+/// Whether standard error is a terminal that wants colors (<https://no-color.org>).
+fn shows_colors() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
     std::io::stderr().is_terminal() && !set("NO_COLOR") && !dumb

@@ -33,7 +33,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     let stop = stop::on_signal();
     let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), name).or_output()?;
     let sensor = session.input().sequence().sensor;
-    console::note(format!("rendering {n_frames} {sensor} frames of {course} and running on them"));
+    console::note(format!("rendering {n_frames} {sensor} frames of {course} and processing them"));
     let (show, json) = (args.show.clone(), args.json);
     let (lengths_m, extras, notices) = (KITTI_LENGTHS_M.to_vec(), Extras::default(), Vec::new());
     let (preset, replay) = (None, None);

@@ -27,7 +27,7 @@ pub(crate) struct ExportArgs {
     #[arg(short, long, value_name = "OUT")]
     out: PathBuf,
     /// The sequence that the map was made from: its left images are written beside the model (without the lens's distortion, rectified)
-    /// and give the points their colours.
+    /// and give the points their colors.
     #[arg(long, value_name = "SEQUENCE")]
     images: Option<PathBuf>,
     /// What the colors of the points show [default: the images if --images is given, else the number of observations].
@@ -150,7 +150,7 @@ fn kind(info: &MapFileInfo) -> String {
     info.sensor.map_or("a map".to_owned(), |sensor| format!("{sensor} map"))
 }
 
-/// The colours of the points; the images are written into `folder` where there is one.
+/// The colors of the points; the images are written into `folder` where there is one.
 fn colors(
     args: &ExportArgs,
     scene: &Scene,

@@ -115,7 +115,7 @@ pub(crate) fn vocab() -> String {
     with_codes(
         "\
 Examples:
-  dsslam inspect vocab info  # the vocabulary that is part of the program
+  dsslam inspect vocab info  # the built-in vocabulary
   dsslam inspect vocab train images/ more/*.png -o my.dbow
   dsslam inspect vocab convert ORBvoc.txt orbvoc.dbow",
     )

@@ -37,7 +37,7 @@ pub(crate) struct Job {
     pub(crate) notices: Vec<String>,
     /// The run to do again, instead of one by the setup's schedule.
     pub(crate) replay: Option<Journal>,
-    /// Segment lengths of t_rel and r_rel, metres.
+    /// Segment lengths of t_rel and r_rel, meters.
     pub(crate) lengths_m: Vec<f64>,
     /// Where the files go.
     pub(crate) folder: ResultsFolder,
@@ -124,12 +124,12 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
         console::say(report::text(&summary, job.folder.path()).trim_end());
     }
     if !summary.is_usable() {
-        let reason = summary.without_pose.first().map_or("there was no frame", |frame| &frame.reason);
+        let reason = summary.without_pose.first().map_or("the sequence is empty", |frame| &frame.reason);
         let sensor = sequence.sensor;
         console::note(console::error(format!("no frame has a pose ({sensor}): {reason}")));
     }
     if let Some(failure) = &outcome.failure {
-        console::note(console::error(format!("{failure}; what there was has been written")));
+        console::note(console::error(format!("{failure}; results so far have been written")));
     }
     let exit = match (&outcome.failure, outcome.interrupted, summary.is_usable()) {
         (Some(_), ..) => Exit::Failed,

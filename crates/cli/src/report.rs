@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::summary::{Summary, WithoutPose};
 
-/// Groups of frames without a pose that are printed; all frames stand in `summary.json`.
+/// Groups of frames without a pose that are printed; `summary.json` lists all frames.
 const SHOWN_GROUPS: usize = 8;
 
 /// The text that ends a run: what happened, errors, times, where the files are.
@@ -49,11 +49,11 @@ fn counts(text: &mut String, s: &Summary) {
     row(text, "places", &places(s));
 }
 
-/// Loops, sub-maps and relocalisations.
+/// Loops, sub-maps and relocalizations.
 fn places(s: &Summary) -> String {
     let mut places = format!("{} loops closed, {} rejected", s.loops, s.loops_rejected);
-    if s.relocalisations > 0 {
-        let _ = write!(places, ", {} relocalisations", s.relocalisations);
+    if s.relocalizations > 0 {
+        let _ = write!(places, ", {} relocalizations", s.relocalizations);
     }
     if s.submaps > 1 || s.submaps_joined > 0 {
         let _ = write!(places, ", {} sub-maps ({} joined before)", s.submaps, s.submaps_joined);
@@ -68,13 +68,13 @@ fn errors(text: &mut String, s: &Summary) {
     let (Some(ate), Some(alignment), Some(path)) = (s.ate_rmse_m, &s.alignment, s.path_m) else { return };
     row(text, "ATE", &format!("{ate:.4} m rmse ({alignment} alignment), path {path:.1} m"));
     if let Some(end) = s.end_error_percent {
-        row(text, "drift", &format!("{end:.3} % of the path at its end"));
+        row(text, "drift", &format!("{end:.3} % of the path length at the end"));
     }
     match (s.t_rel_percent, s.r_rel_deg_per_100m) {
         (Some(t), Some(r)) => {
             let filled = match s.t_rel_filled_frames {
                 None | Some(0) => String::new(),
-                Some(n) => format!(" ({n} frames without a pose filled with the last motion)"),
+                Some(n) => format!(" ({n} frames without a pose, filled with the last motion)"),
             };
             row(text, "t_rel r_rel", &format!("{t:.3} %  {r:.3} deg/100 m{filled}"));
         }
@@ -84,8 +84,8 @@ fn errors(text: &mut String, s: &Summary) {
 
 fn times(text: &mut String, s: &Summary) {
     let rate = s.frames as f64 / s.wall_s.max(1e-9);
-    let cpu = s.cpu_s.map_or(String::new(), |cpu| format!(", {cpu:.1} s of processor time"));
-    let memory = s.peak_rss_mb.map_or(String::new(), |mb| format!(", {mb:.0} MB at most"));
+    let cpu = s.cpu_s.map_or(String::new(), |cpu| format!(", {cpu:.1} s CPU time"));
+    let memory = s.peak_rss_mb.map_or(String::new(), |mb| format!(", peak memory {mb:.0} MB"));
     row(text, "time", &format!("{:.1} s ({rate:.1} frames/s){cpu}{memory}", s.wall_s));
     if !s.stages.is_empty() {
         row(text, "stages", &format!("{:<20}{:>9}{:>9}{:>9}   {}", "ms", "median", "p95", "max", "calls"));
@@ -96,7 +96,7 @@ fn times(text: &mut String, s: &Summary) {
     }
 }
 
-/// Neighbouring frames of one state as one line: `frames 20 to 35 lost: <reason of the first>`.
+/// Neighboring frames of one state as one line: `frames 20 to 35 lost: <reason of the first>`.
 fn group(frames: &[WithoutPose]) -> Vec<String> {
     let follows = |a: &WithoutPose, b: &WithoutPose| a.frame + 1 == b.frame && a.state == b.state;
     let line = |run: &[WithoutPose]| {
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_of_one_state_are_one_line() {
+    fn neighbors_of_one_state_are_one_line() {
         let frames = [frame(0, "not_ready"), frame(1, "not_ready"), frame(2, "dropped"), frame(9, "lost")];
         let expected =
             ["frames 0 to 1 not ready: reason 0", "frame 2 dropped: reason 2", "frame 9 lost: reason 9"];

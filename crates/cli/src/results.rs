@@ -78,7 +78,7 @@ impl ResultsFolder {
         let _ = fs::remove_file(&part);
         symlink(target, &part)
             .and_then(|()| fs::rename(&part, &link))
-            .with_context(|| format!("{}: cannot be made", link.display()))
+            .with_context(|| format!("{}: cannot be created", link.display()))
     }
 }
 
@@ -108,7 +108,7 @@ fn new_subfolder(results: &Path, sequence: &str) -> Result<PathBuf> {
             Err(e) => return Err(e).with_context(|| cannot_write(&parent.join(&name))),
         }
     }
-    bail!("{}: a thousand runs in one second", parent.display())
+    bail!("{}: a thousand results folders from the same second already exist", parent.display())
 }
 
 /// A sequence's name as a folder name.

@@ -89,7 +89,11 @@ fn journal(args: &RunArgs) -> Result<Option<Journal>> {
 fn extras(args: &RunArgs) -> Result<Extras> {
     for file in [&args.save_map, &args.journal].into_iter().flatten() {
         ensure!(!file.is_dir(), "{}: cannot be written: it is a folder", file.display());
-        ensure!(file.file_name().is_some(), "{}: cannot be written: it has no name", file.display());
+        ensure!(
+            file.file_name().is_some(),
+            "{}: cannot be written: the file name is missing",
+            file.display()
+        );
         io::create_output_folder(folder_of(file))?;
     }
     Ok(Extras { save_map: args.save_map.clone(), journal: args.journal.clone() })

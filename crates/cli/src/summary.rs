@@ -45,8 +45,8 @@ pub(crate) struct Summary {
     /// Sub-maps joined to another one by a loop.
     pub(crate) submaps_joined: usize,
     /// Times that a lost camera, or one in a map from a file, found its place again.
-    pub(crate) relocalisations: usize,
-    /// Global bundle adjustments taken over.
+    pub(crate) relocalizations: usize,
+    /// Global bundle adjustments applied.
     pub(crate) global_adjustments: usize,
     /// Disparity offset in force, pixels.
     pub(crate) disparity_offset_px: f64,
@@ -54,17 +54,17 @@ pub(crate) struct Summary {
     pub(crate) disparity_offset_sigma_px: Option<f64>,
     /// What was aligned before the absolute error was taken: `SE3` or `Sim3`.
     pub(crate) alignment: Option<String>,
-    /// Absolute trajectory error, root mean square over all frames with a pose, metres.
+    /// Absolute trajectory error, root mean square over all frames with a pose, meters.
     pub(crate) ate_rmse_m: Option<f64>,
     /// Frames compared for it.
     pub(crate) ate_frames: Option<usize>,
-    /// KITTI's translation error, percent; frames without a pose go on with the last relative motion.
+    /// KITTI's translation error, percent; frames without a pose continue the last relative motion.
     pub(crate) t_rel_percent: Option<f64>,
     /// KITTI's rotation error, degrees per 100 m.
     pub(crate) r_rel_deg_per_100m: Option<f64>,
     /// Frames that were filled so.
     pub(crate) t_rel_filled_frames: Option<usize>,
-    /// Length of the true path, metres.
+    /// Length of the true path, meters.
     pub(crate) path_m: Option<f64>,
     /// Error of the last position seen from the first pose, in percent of the path.
     pub(crate) end_error_percent: Option<f64>,
@@ -177,7 +177,7 @@ impl Summary {
             loops: statistics.loops_closed,
             loops_rejected: statistics.loops_rejected,
             submaps_joined: statistics.submaps_joined,
-            relocalisations: statistics.relocalisations,
+            relocalizations: statistics.relocalizations,
             global_adjustments: statistics.globals_adopted,
             disparity_offset_px: outcome.disparity_offset_px,
             disparity_offset_sigma_px: outcome.calibration.map(|estimate| estimate.sigma_px),

@@ -71,7 +71,7 @@ pub(crate) mod tests {
     use map::KeyframeId;
     use runtime::{FrameStatus, FrameTimings, Unusable};
 
-    /// A frame at x = `x` metres, or a dropped one.
+    /// A frame at x = `x` meters, or a dropped one.
     pub(crate) fn record(index: u32, x: Option<f64>) -> FrameRecord {
         let world_from_cam = x.map(|x| SE3::new(SO3::identity(), Vec3::new(x, 0.0, 0.0)));
         let status = match x {

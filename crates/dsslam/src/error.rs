@@ -26,7 +26,7 @@ pub enum Error {
     #[error(transparent)]
     Image(#[from] ImageError),
     /// Every image.
-    #[error("no image of the sequence can be read: {0}")]
+    #[error("none of the sequence's images can be read: {0}")]
     NoImage(ImageError),
     /// The mask of the configuration.
     #[error("{place}: {problem}")]
@@ -37,7 +37,7 @@ pub enum Error {
         problem: ImageError,
     },
     /// The mask of the configuration has another size than the images.
-    #[error("{place}: {}: found {found} pixels, expected {expected} as the images have", path.display())]
+    #[error("{place}: {}: found {found} pixels, expected {expected}, the size of the images", path.display())]
     MaskSize {
         /// The key, and where its value comes from.
         place: String,
@@ -63,7 +63,7 @@ pub enum Error {
     #[error(transparent)]
     Vocabulary(#[from] VocabularyError),
     /// The vocabulary that is part of the library.
-    #[error("the vocabulary that is part of the program: {0}")]
+    #[error("the built-in vocabulary: {0}")]
     BuiltInVocabulary(#[from] FormatError),
     /// A file that cannot be read or written.
     #[error(transparent)]
@@ -97,7 +97,7 @@ pub enum Error {
     Video(#[from] VideoError),
     /// Nothing can decode a video.
     #[error(
-        "{}: only .y4m videos can be read without a decoder; found neither {} (./install.sh --video) nor {} in the PATH",
+        "{}: only .y4m videos can be read without a decoder; neither {} (./install.sh --video) nor {} was found in PATH",
         path.display(), crate::video::HELPER, crate::video::FFMPEG
     )]
     NoDecoder {

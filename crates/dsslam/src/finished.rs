@@ -37,7 +37,7 @@ impl Finished {
         Self { outcome, body_from_left: sequence.body_from_left, info }
     }
 
-    /// Poses `world_from_cam` of the left camera at the frames that were tracked, after all corrections of the map; metres, of
+    /// Poses `world_from_cam` of the left camera at the frames that were tracked, after all corrections of the map; meters, of
     /// one camera in the map's own unit.
     pub fn trajectory(&self) -> Trajectory {
         trajectories::tracked_poses(&self.outcome.frames)

@@ -143,7 +143,7 @@ impl Input {
     /// The camera after reduction and rectification.
     ///
     /// # Errors
-    /// A camera that nobody gives.
+    /// A missing camera.
     pub fn rig(&self) -> Result<Rig, Error> {
         self.intake.rig()
     }

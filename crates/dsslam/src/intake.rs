@@ -78,7 +78,7 @@ impl Intake {
     /// The camera after reduction and rectification.
     ///
     /// # Errors
-    /// A camera that nobody gives.
+    /// A missing camera.
     pub(crate) fn rig(&self) -> Result<Rig, Error> {
         setup::rig(&self.config, self.sequence.sensor, self.size, &self.path)
     }

@@ -15,7 +15,7 @@ use crate::Error;
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct NetworkOptions {
-    /// File of a network (ONNX: grey image in, activation map out); `None`: the one that is part of the library.
+    /// File of a network (ONNX: gray image in, activation map out); `None`: the one that is part of the library.
     pub model: Option<PathBuf>,
     /// ONNX Runtime's library; `None`: the one of `ORT_DYLIB_PATH`, beside the program, in `~/.local/share/dsslam` or of the system.
     pub library: Option<PathBuf>,
@@ -44,7 +44,7 @@ impl Opener {
     }
 }
 
-/// How the settings choose features; `None` where no network takes part. The network is opened here, so that whatever
+/// How the settings choose features; `None` without a network. The network is opened here, so that whatever
 /// is wrong with it is known before the first image.
 ///
 /// # Errors
@@ -71,7 +71,7 @@ pub fn open(
     Ok((opener(model, options, settings.network_threads)?.network()?, config))
 }
 
-/// How the settings choose and the model for it; `None` where no network takes part.
+/// How the settings choose and the model for it; `None` without a network.
 fn chosen(settings: &ExtractorConfig) -> Option<(SelectionConfig, Model)> {
     let model = match settings.selection {
         SelectionRule::Response => return None,
@@ -92,7 +92,7 @@ pub fn load(model: Model, options: &NetworkOptions, threads: usize) -> Result<Ne
 fn opener(model: Model, options: &NetworkOptions, threads: usize) -> Result<Opener, Error> {
     let (model, origin) = match &options.model {
         Some(file) => (read(file)?, file.display().to_string()),
-        None => (model.bytes().to_vec(), "the network that is part of the program".to_owned()),
+        None => (model.bytes().to_vec(), "the built-in network".to_owned()),
     };
     Ok(Opener { model, origin, library: options.library.clone(), threads })
 }

@@ -64,7 +64,7 @@ impl Session {
         if input.is_camera() && setup.stereo.calibration_frames > 0 {
             setup.stereo.calibration_frames = 0;
             notices.push(
-                "stereo.calibration_frames: a camera cannot be seen twice, so there is no calibration pass"
+                "stereo.calibration_frames: a live camera cannot be replayed, so the calibration pass is skipped"
                     .to_owned(),
             );
         }

@@ -62,7 +62,7 @@ fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>, Error> 
 /// The camera in force for raw images of `size` of `dataset`, which are reduced by `input.scale`.
 ///
 /// # Errors
-/// A camera that nobody gives.
+/// A missing camera.
 pub(crate) fn rig(config: &Config, sensor: Sensor, size: ImageSize, dataset: &Path) -> Result<Rig, Error> {
     let camera = config.camera_in_force(dataset, sensor)?;
     let reduced = size.scaled(config.input.scale);
@@ -84,7 +84,7 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, rig: Rig) -> Setup {
     Setup {
         extractor: config.features.with_sensor(sensor),
         stereo: config.stereo.clone(),
-        depth: DepthConfig { units_per_metre: config.camera.depth_units_per_metre, ..DepthConfig::default() },
+        depth: DepthConfig { units_per_meter: config.camera.depth_units_per_metre, ..DepthConfig::default() },
         lags: config.runtime,
         ..Setup::new(sensor, Arc::new(rig), params)
     }
@@ -93,7 +93,7 @@ pub(crate) fn from_config(config: &Config, sensor: Sensor, rig: Rig) -> Setup {
 /// The mask of the configuration, compared with the size of the raw images.
 ///
 /// # Errors
-/// A file that is no image, or one of another size.
+/// A file that is not an image, or has another size.
 pub(crate) fn wanted_mask(config: &Config, size: ImageSize) -> Result<Option<GrayImage>, Error> {
     let Some(path) = &config.input.mask else { return Ok(None) };
     let place = || format!("input.mask ({})", config.provenance("input.mask"));

@@ -152,11 +152,11 @@ impl Slam {
         };
         expect("right", images.right.is_some(), Sensor::Stereo)?;
         expect("depth", images.depth.is_some(), Sensor::Rgbd)?;
-        let units_per_metre = self.intake.config.camera.depth_units_per_metre;
+        let units_per_meter = self.intake.config.camera.depth_units_per_metre;
         Ok(LoadedFrame {
             left: images.left.to_gray("left", size)?,
             right: images.right.map(|right| right.to_gray("right", size)).transpose()?,
-            depth: images.depth.map(|depth| depth.to_depth(size, units_per_metre)).transpose()?,
+            depth: images.depth.map(|depth| depth.to_depth(size, units_per_meter)).transpose()?,
         })
     }
 

@@ -60,10 +60,10 @@ pub fn body_text(sensor: Sensor, body_from_left: &SE3) -> String {
     body_from_left.rows_3x4().map(|number| number.to_string()).join(" ")
 }
 
-/// The left camera in the body, of a map's file; `None` where it tells of no body.
+/// The left camera in the body, of a map's file; `None` where it states no body.
 ///
 /// # Errors
-/// A text that is no pose.
+/// A text that is not a pose.
 pub fn body_of_text(text: &str) -> Result<Option<SE3>, Error> {
     let words: Vec<&str> = text.split_whitespace().collect();
     if words.is_empty() {
@@ -99,7 +99,7 @@ mod tests {
     use geometry::{SO3, Vec3};
     use runtime::{FrameStatus, Unusable};
 
-    /// A frame at x = `x` metres, or a dropped one.
+    /// A frame at x = `x` meters, or a dropped one.
     fn record(index: u32, x: Option<f64>) -> FrameRecord {
         let world_from_cam = x.map(|x| SE3::new(SO3::identity(), Vec3::new(x, 0.0, 0.0)));
         let status = match x {
@@ -141,9 +141,6 @@ mod tests {
         }
         let left = Trajectory { poses: vec![StampedPose { timestamp_s: 0.0, world_from_cam: body }] };
         let found = of_body(&left, &body).poses[0].world_from_cam;
-        assert!(
-            found.log().norm() < 1e-12,
-            "the camera is where the body sees it, so the body is at the origin"
-        );
+        assert!(found.log().norm() < 1e-12, "the camera pose on the body places the body at the origin");
     }
 }

@@ -58,7 +58,7 @@ impl Opened {
     /// Opens a video file or a camera.
     ///
     /// # Errors
-    /// A file that is no video, a missing decoder, a calibration that does not fit.
+    /// A file that is not a video, a missing decoder, a calibration that does not fit.
     pub(crate) fn new(path: &Path, options: &OpenOptions) -> Result<Self, Error> {
         let stream = Stream::open(path)?;
         let header = stream.reader.header().clone();
@@ -74,7 +74,7 @@ impl Stream {
     /// Starts to read a file or a camera.
     ///
     /// # Errors
-    /// A file that cannot be read, that is no video, or a missing decoder.
+    /// A file that cannot be read, that is not a video, or a missing decoder.
     pub(crate) fn open(path: &Path) -> Result<Self, Error> {
         let name = path.display().to_string();
         let is_raw = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("y4m"));
@@ -101,7 +101,7 @@ impl Stream {
     }
 }
 
-/// A decoder whose frames nobody wants any more is ended.
+/// A decoder whose frames are no longer needed is terminated.
 impl Drop for Stream {
     fn drop(&mut self) {
         self.decoder.iter_mut().for_each(end);

@@ -91,7 +91,7 @@ impl State {
             Ok(None) => self.has_ended = true,
             Err(error) => {
                 self.has_ended = true;
-                self.remark = Some(format!("{error}; the {n} frames before it were used"));
+                self.remark = Some(format!("{error}; only the {n} frames before it are used"));
             }
         }
     }

@@ -113,9 +113,9 @@ pub struct DepthView<'a> {
 
 #[derive(Clone, Copy, Debug)]
 enum Depths<'a> {
-    /// With units per metre; `None`: those of the configuration.
+    /// With units per meter; `None`: those of the configuration.
     Units(&'a [u16], Option<f64>),
-    Metres(&'a [f32]),
+    Meters(&'a [f32]),
 }
 
 impl<'a> DepthView<'a> {
@@ -124,16 +124,16 @@ impl<'a> DepthView<'a> {
         Self { data: Depths::Units(data, None), size: ImageSize { width, height }, stride: width }
     }
 
-    /// 16-bit depth in units of its own, such as 1000 per metre for millimetres.
-    pub fn u16_with_units(data: &'a [u16], width: usize, height: usize, units_per_metre: f64) -> Self {
-        let data = Depths::Units(data, Some(units_per_metre));
+    /// 16-bit depth in units of its own, such as 1000 per meter for millimeters.
+    pub fn u16_with_units(data: &'a [u16], width: usize, height: usize, units_per_meter: f64) -> Self {
+        let data = Depths::Units(data, Some(units_per_meter));
         Self { data, size: ImageSize { width, height }, stride: width }
     }
 
-    /// Depth in metres. It is rounded to the units of the configuration, which also bound it: with 5000 per metre to 13.1 m, with
+    /// Depth in meters. It is rounded to the units of the configuration, which also bound it: with 5000 per meter to 13.1 m, with
     /// `camera.depth_units_per_metre=1000` to 65.5 m.
-    pub fn metres(data: &'a [f32], width: usize, height: usize) -> Self {
-        Self { data: Depths::Metres(data), size: ImageSize { width, height }, stride: width }
+    pub fn meters(data: &'a [f32], width: usize, height: usize) -> Self {
+        Self { data: Depths::Meters(data), size: ImageSize { width, height }, stride: width }
     }
 
     /// The same with rows that begin `stride` values after one another.
@@ -146,7 +146,7 @@ impl<'a> DepthView<'a> {
     pub(crate) fn to_depth(
         self,
         expected: ImageSize,
-        units_per_metre: f64,
+        units_per_meter: f64,
     ) -> Result<DepthImage, FrameProblem> {
         const NAME: &str = "depth";
         check_size(NAME, self.size, expected)?;
@@ -154,7 +154,7 @@ impl<'a> DepthView<'a> {
         let mut values = Vec::with_capacity(width * height);
         match self.data {
             Depths::Units(data, units) => {
-                let factor = units.filter(|units| *units != units_per_metre).map(|u| units_per_metre / u);
+                let factor = units.filter(|units| *units != units_per_meter).map(|u| units_per_meter / u);
                 for row in rows(data, height, self.stride, width, NAME)? {
                     match factor {
                         None => values.extend_from_slice(row),
@@ -162,9 +162,9 @@ impl<'a> DepthView<'a> {
                     }
                 }
             }
-            Depths::Metres(data) => {
+            Depths::Meters(data) => {
                 for row in rows(data, height, self.stride, width, NAME)? {
-                    values.extend(row.iter().map(|&v| rounded(f64::from(v) * units_per_metre)));
+                    values.extend(row.iter().map(|&v| rounded(f64::from(v) * units_per_meter)));
                 }
             }
         }

@@ -15,8 +15,8 @@ const N_FRAMES: usize = 12;
 struct Drive {
     left: Vec<GrayImage>,
     right: Vec<GrayImage>,
-    /// In metres, and as 16 bits with 128 per metre.
-    metres: Vec<Vec<f32>>,
+    /// In meters, and as 16 bits with 128 per meter.
+    meters: Vec<Vec<f32>>,
     depth: Vec<DepthImage>,
 }
 
@@ -29,9 +29,9 @@ fn world() -> &'static World {
     &WORLD
 }
 
-/// 128 per metre; 0 where it is too far.
-fn units(metres: f32) -> u16 {
-    let units = (f64::from(metres) * 128.0).round();
+/// 128 per meter; 0 where it is too far.
+fn units(meters: f32) -> u16 {
+    let units = (f64::from(meters) * 128.0).round();
     if units < 65_536.0 { units as u16 } else { 0 }
 }
 
@@ -40,7 +40,7 @@ static DRIVE: LazyLock<Drive> = LazyLock::new(|| {
     Drive {
         left: frames.iter().map(|frame| frame.left.clone()).collect(),
         right: frames.iter().map(|frame| frame.right.clone()).collect(),
-        metres: frames.iter().map(|frame| frame.depth_m.data.clone()).collect(),
+        meters: frames.iter().map(|frame| frame.depth_m.data.clone()).collect(),
         depth: frames
             .iter()
             .map(|frame| {
@@ -269,7 +269,7 @@ fn a_saved_map_is_gone_on_with_or_localized_in() {
 }
 
 #[test]
-fn depth_in_metres_and_in_units_of_its_own_is_that_of_the_configuration() {
+fn depth_in_meters_and_in_units_of_its_own_is_that_of_the_configuration() {
     let config = config(&["camera.depth_units_per_metre=128"]);
     let (width, height) = world().image_size();
     let run = |push: &dyn Fn(&mut Slam, usize)| {
@@ -284,11 +284,11 @@ fn depth_in_metres_and_in_units_of_its_own_is_that_of_the_configuration() {
     let expected = run(&|slam, i| {
         slam.track(time_ns(i), (&DRIVE.left[i], &DRIVE.depth[i])).unwrap();
     });
-    let metres = run(&|slam, i| {
-        let depth = DepthView::metres(&DRIVE.metres[i], width, height);
+    let meters = run(&|slam, i| {
+        let depth = DepthView::meters(&DRIVE.meters[i], width, height);
         slam.track(time_ns(i), (ImageView::from(&DRIVE.left[i]), depth)).unwrap();
     });
-    assert_eq!(metres, expected);
+    assert_eq!(meters, expected);
     // Half the units, in rows with a gap.
     let halves = run(&|slam, i| {
         let row = |y| DRIVE.depth[i].row(y).iter().map(|v| v / 2).chain([9]).collect::<Vec<u16>>();

@@ -61,7 +61,7 @@ impl ActivationMap {
         &self.values
     }
 
-    /// Activation at a position in pixels of the image (whole numbers are centres of pixels), bilinear between the map's
+    /// Activation at a position in pixels of the image (whole numbers are centers of pixels), bilinear between the map's
     /// values and constant beyond the outermost ones.
     #[must_use]
     pub fn at(&self, x: f32, y: f32) -> f32 {
@@ -88,10 +88,10 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn corners_coincide_and_values_lie_at_the_centres_of_their_cells() {
+    fn corners_coincide_and_values_lie_at_the_centers_of_their_cells() {
         let values = Raster::from_vec(2, 2, vec![0.0, 1.0, 0.5, 0.5]).unwrap();
         let map = ActivationMap::new(values, 20, 10).unwrap();
-        // Cells of 10 x 5 pixels; their centres are at 4.5 and 14.5, 2 and 7.
+        // Cells of 10 x 5 pixels; their centers are at 4.5 and 14.5, 2 and 7.
         assert_eq!(map.at(4.5, 2.0), 0.0);
         assert_eq!(map.at(14.5, 2.0), 1.0);
         assert_eq!(map.at(9.5, 2.0), 0.5);
@@ -113,7 +113,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_plane_is_reproduced_between_the_outermost_centres(
+        fn a_plane_is_reproduced_between_the_outermost_centers(
             x in 4.5f32..74.5, y in 4.5f32..34.5,
         ) {
             let values = Raster::from_fn(8, 4, |i, j| 0.1 * i as f32 + 0.05 * j as f32);

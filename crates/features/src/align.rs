@@ -16,7 +16,7 @@ const SLOPE_PRIOR: f64 = 0.3;
 const MAX_SLOPE: f64 = 0.8;
 /// Largest share of the patch's contrast that may remain: more remains where two different things are compared.
 const MAX_UNEXPLAINED: f64 = 0.6;
-/// Least information on the disparity per pixel, squared grey levels per pixel: one grey level of noise moves it by a pixel.
+/// Least information on the disparity per pixel, squared gray levels per pixel: one gray level of noise moves it by a pixel.
 const MIN_INFORMATION: f64 = 1.0;
 const MAX_ITERATIONS: usize = 5;
 /// Steps of the disparity below this many pixels end the iteration.
@@ -29,9 +29,9 @@ pub(crate) struct Alignment {
     pub(crate) disparity: f64,
     /// Change of the disparity per row.
     pub(crate) slope: f64,
-    /// Brightness that the right image lacks, grey levels.
+    /// Brightness that the right image lacks, gray levels.
     pub(crate) offset: f64,
-    /// Weighted mean of the absolute differences that remain, grey levels.
+    /// Weighted mean of the absolute differences that remain, gray levels.
     pub(crate) residual: f64,
 }
 
@@ -95,7 +95,7 @@ fn rows_at<'a>(right: &'a Plane, x: usize, y: usize, at: &Alignment) -> Option<[
     Some(rows)
 }
 
-/// Change of disparity, slope and offset that minimises the weighted squares of `e - g (d + j s) + o`; `None` without texture.
+/// Change of disparity, slope and offset that minimizes the weighted squares of `e - g (d + j s) + o`; `None` without texture.
 fn solve(sums: &Sums, slope: f64) -> Option<[f64; 3]> {
     let Sums { gg, jgg, jjgg, g, jg, one, ge, jge, e, .. } = *sums;
     if one < 1.0 {

@@ -121,7 +121,7 @@ impl FrameBuilder {
         Ok(self.frame(index, timestamp_s, extracted, right_u))
     }
 
-    /// A frame of a grey image and a depth image registered to it.
+    /// A frame of a gray image and a depth image registered to it.
     ///
     /// # Errors
     /// Those of the activation source; none without a selection.

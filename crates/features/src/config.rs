@@ -56,15 +56,15 @@ impl Default for ExtractorConfig {
 impl Section for ExtractorConfig {
     const KEYS: &'static [Entry] = &[
         integer("features.keep", "", [50, 100_000], "keypoints kept per image"),
-        optional_integer("features.keep_mono", "", [50, 100_000], "keypoints kept of a single camera, whose maps need more of them; absent: keep"),
-        choice("features.selection", SelectionRule::WORDS, "by what they are chosen; the first two need ONNX Runtime"),
-        integer("features.candidates", "", [50, 100_000], "keypoints among which activation or semantic choose").expert(),
-        choice("features.spread", Spread::WORDS, "those chosen by activation or semantic: the best of each cell, or of the image").expert(),
-        integer("features.network_threads", "", [1, 64], "threads of the network; no result depends on them").expert(),
+        optional_integer("features.keep_mono", "", [50, 100_000], "keypoints kept per image of a single camera, whose maps need more; absent: keep"),
+        choice("features.selection", SelectionRule::WORDS, "criterion by which keypoints are kept; the first two need ONNX Runtime"),
+        integer("features.candidates", "", [50, 100_000], "keypoints from which activation or semantic choose").expert(),
+        choice("features.spread", Spread::WORDS, "where activation or semantic keep the best: in each cell, or anywhere in the image").expert(),
+        integer("features.network_threads", "", [1, 64], "threads of the network; results do not depend on it").expert(),
         integer("features.levels", "", [1, 16], "levels of the image pyramid").expert(),
-        real("features.scale_factor", "", between(1.01, 2.0), "ratio of the sizes of two neighbouring levels").expert(),
-        integer("features.fast_initial", "grey levels", [1, 255], "FAST threshold tried first in a cell").expert(),
-        integer("features.fast_minimum", "grey levels", [1, 255], "FAST threshold of a cell where the first finds nothing").expert(),
+        real("features.scale_factor", "", between(1.01, 2.0), "size ratio of neighboring pyramid levels").expert(),
+        integer("features.fast_initial", "gray levels", [1, 255], "FAST threshold tried first in a cell").expert(),
+        integer("features.fast_minimum", "gray levels", [1, 255], "FAST threshold of a cell where the first finds nothing").expert(),
         flag("features.subpixel", "refine the position of keypoints below one pixel").expert(),
     ];
 }

@@ -6,28 +6,28 @@ use geometry::DepthImage;
 /// How depth images are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthConfig {
-    /// Depth values per metre (TUM RGB-D: 5000).
-    pub units_per_metre: f64,
-    /// Nearest depth believed, metres.
+    /// Depth values per meter (TUM RGB-D: 5000).
+    pub units_per_meter: f64,
+    /// Minimum accepted depth, meters.
     pub min_depth_m: f64,
-    /// Farthest depth believed, metres.
+    /// Maximum accepted depth, meters.
     pub max_depth_m: f64,
-    /// A key-point is at a depth edge, and its depth is not believed, when a depth within [`EDGE_REACH_PX`] differs by
+    /// A keypoint is at a depth edge, and its depth is rejected, when a depth within [`EDGE_REACH_PX`] differs by
     /// more than this share of its own.
     pub max_jump: f64,
 }
 
-/// How far from the key-point a depth edge counts, pixels.
+/// How far from the keypoint a depth edge counts, pixels.
 pub const EDGE_REACH_PX: usize = 3;
 
 impl Default for DepthConfig {
     fn default() -> Self {
-        Self { units_per_metre: 5000.0, min_depth_m: 0.1, max_depth_m: 40.0, max_jump: 0.05 }
+        Self { units_per_meter: 5000.0, min_depth_m: 0.1, max_depth_m: 40.0, max_jump: 0.05 }
     }
 }
 
 impl DepthConfig {
-    /// Depth in metres at the pixel nearest to a detected (distorted) key-point; `None` where the sensor gave none and at
+    /// Depth in meters at the pixel nearest to a detected (distorted) keypoint; `None` where the sensor gave none and at
     /// depth edges, where a corner may lie on either side.
     pub(crate) fn depth_at(&self, depth: &DepthImage, keypoint: &Keypoint) -> Option<f64> {
         let (x, y) = (f64::from(keypoint.x).round(), f64::from(keypoint.y).round());
@@ -36,9 +36,9 @@ impl DepthConfig {
         }
         let (x, y) = (x as usize, y as usize);
         let units = depth.get(x, y)?;
-        let metres = f64::from(units) / self.units_per_metre;
-        let believed = units > 0 && metres >= self.min_depth_m && metres <= self.max_depth_m;
-        (believed && !self.is_edge(depth, x, y, units)).then_some(metres)
+        let meters = f64::from(units) / self.units_per_meter;
+        let believed = units > 0 && meters >= self.min_depth_m && meters <= self.max_depth_m;
+        (believed && !self.is_edge(depth, x, y, units)).then_some(meters)
     }
 
     /// Whether a depth around `(x, y)` differs from `units`, the depth there, by more than a share of it.
@@ -62,7 +62,7 @@ mod tests {
         Keypoint { x, y, octave: 0, angle_deg: 0.0, response: 1.0 }
     }
 
-    /// Two metres on the left, `right_m` from column 20 on.
+    /// Two meters on the left, `right_m` from column 20 on.
     fn step(right_m: f64) -> DepthImage {
         let mut depth = DepthImage::new(40, 30, 10_000);
         for y in 0..30 {
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn depths_are_metres_at_the_nearest_pixel() {
+    fn depths_are_meters_at_the_nearest_pixel() {
         let config = DepthConfig::default();
         assert_eq!(config.depth_at(&step(3.0), &keypoint(5.4, 7.6)), Some(2.0));
         assert_eq!(config.depth_at(&step(3.0), &keypoint(30.0, 7.0)), Some(3.0));

@@ -36,7 +36,7 @@ impl Detector {
     /// `initial` only such corners, elsewhere all of at least `minimum`. First the strong ones row by row, then the weak ones
     /// by row of cells.
     ///
-    /// The weak threshold is tried only where it is needed. A maximum is one among all neighbours of the image, so that the
+    /// The weak threshold is tried only where it is needed. A maximum is one among all neighbors of the image, so that the
     /// result is that of a single pass at the lower threshold.
     pub(crate) fn run(
         &mut self,

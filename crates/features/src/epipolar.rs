@@ -13,7 +13,7 @@ const CHI2_LINE: f32 = 3.84;
 /// Which candidates count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EpipolarRange {
-    /// Nearest depth of the point in frame A, metres, above zero.
+    /// Nearest depth of the point in frame A, meters, above zero.
     pub min_depth_m: f64,
     /// Farthest depth in frame A; infinity is allowed.
     pub max_depth_m: f64,
@@ -73,7 +73,7 @@ struct Segment {
 impl Segment {
     /// The images in `b` of the viewing ray of a feature of `a` between two depths; `None` when it lies behind `b`.
     fn new(a: &Frame, feature: usize, b: &Frame, b_from_a: &SE3, range: &EpipolarRange) -> Option<Self> {
-        /// Nearest depth in front of camera `b` that is projected, metres.
+        /// Nearest depth in front of camera `b` that is projected, meters.
         const NEAR: f64 = 0.01;
         let direction = b_from_a.rotation * a.rig.stereo.camera.unproject(&a.pixel(feature));
         let origin = b_from_a.translation;

@@ -92,7 +92,7 @@ pub struct Frame {
     pub descriptors: Vec<Descriptor>,
     /// Column in the right (or virtual right) image; NaN when unknown.
     pub right_u: Vec<f32>,
-    /// Depth along z in metres; NaN when unknown.
+    /// Depth along z in meters; NaN when unknown.
     pub depth: Vec<f32>,
     /// Trust in each feature, 1 when nothing is known.
     pub activation: Vec<f32>,
@@ -102,7 +102,7 @@ pub struct Frame {
 
 impl Frame {
     /// A frame of features whose positions are already undistorted; `right_u` is NaN where unknown and otherwise left of
-    /// the key-point.
+    /// the keypoint.
     ///
     /// # Panics
     /// When the lengths differ.
@@ -174,7 +174,7 @@ impl Frame {
         Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y))
     }
 
-    /// Position of feature `i` in coordinates of the (left) camera, metres; `None` without depth.
+    /// Position of feature `i` in coordinates of the (left) camera, meters; `None` without depth.
     #[must_use]
     pub fn unproject(&self, i: usize) -> Option<Vec3> {
         let pixel = self.pixel(i);

@@ -17,7 +17,7 @@ pub struct Keypoint {
     pub response: f32,
 }
 
-/// Key-points with their descriptors, same order: by octave, then row, then column.
+/// Keypoints with their descriptors, same order: by octave, then row, then column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Features {
     /// Corners, distorted pixels of level 0.

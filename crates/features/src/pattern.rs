@@ -1,9 +1,9 @@
 //! The 256 learned point pairs of the ORB descriptor (Rublee et al., ICCV 2011).
 //!
 //! The numbers are those of OpenCV's `bit_pattern_31_` (modules/features2d/src/orb.cpp), Copyright (c) 2009,
-//! Willow Garage, Inc., 3-clause BSD licence; descriptors are therefore comparable with OpenCV's.
+//! Willow Garage, Inc., 3-clause BSD license; descriptors are therefore comparable with OpenCV's.
 
-/// `[x1, y1, x2, y2]` per bit, pixels from the key-point on its pyramid level; bit = value(1) < value(2).
+/// `[x1, y1, x2, y2]` per bit, pixels from the keypoint on its pyramid level; bit = value(1) < value(2).
 #[rustfmt::skip]
 pub(crate) const BIT_PATTERN: [[i8; 4]; 256] = [
     [8, -3, 9, 5], [4, 2, 7, -12], [-11, 9, -8, 2], [7, -12, 12, -13], [2, -13, 2, 12], [1, -7, 1, 6],

@@ -1,4 +1,4 @@
-//! Grey image with padded rows, so that vector kernels may read past the last pixel of a row.
+//! Gray image with padded rows, so that vector kernels may read past the last pixel of a row.
 
 use geometry::GrayImage;
 

@@ -52,7 +52,7 @@ pub(crate) struct Placement {
 
 impl Placement {
     /// The position on the full image of a position on the level: the corners of the images coincide, and whole numbers are
-    /// centres of pixels.
+    /// centers of pixels.
     pub(crate) fn to_full(self, x: f32, y: f32) -> (f32, f32) {
         ((x + 0.5) * self.x - 0.5, (y + 0.5) * self.y - 0.5)
     }

@@ -215,7 +215,7 @@ fn split(node: &Node, items: &mut [Item], out: &mut Vec<Node>) {
     }
 }
 
-/// Moves those that fulfil `first` to the front, without branches; returns their number.
+/// Moves those that fulfill `first` to the front, without branches; returns their number.
 fn partition(items: &mut [Item], first: impl Fn(Item) -> bool) -> usize {
     let mut n_first = 0;
     for i in 0..items.len() {

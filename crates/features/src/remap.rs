@@ -11,7 +11,7 @@ const BAND: usize = 16;
 
 /// For each pixel of a new image the place in the source image that it shows, to 1/32 pixel, as in OpenCV's `remap`.
 ///
-/// A pixel without a source (outside of the source's outermost pixel centres, or where the lens model has no ray) is black
+/// A pixel without a source (outside of the source's outermost pixel centers, or where the lens model has no ray) is black
 /// and not in the [`RemapTable::mask`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RemapTable {
@@ -102,7 +102,7 @@ pub(crate) fn remap_with(simd: Simd, image: &GrayImage, table: &RemapTable) -> O
     }
     let (width, height) = table.target;
     let mut target = GrayImage::new(width, height, 0);
-    // In a smaller image there are no four neighbours, and so no pixel has a source.
+    // In a smaller image there are no four neighbors, and so no pixel has a source.
     if image.width >= 2 && image.height >= 2 && width > 0 {
         let pixels = BAND * width;
         target.data.par_chunks_mut(pixels).enumerate().for_each(|(band, row)| {

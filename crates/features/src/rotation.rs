@@ -3,7 +3,7 @@
 /// Histogram bins over the full circle: 12 degrees each.
 const BINS: usize = 30;
 
-/// Which of the matches, given the angle differences of their key-points in degrees, lie in the three fullest of 30 bins.
+/// Which of the matches, given the angle differences of their keypoints in degrees, lie in the three fullest of 30 bins.
 ///
 /// The second and third bin count only with at least a tenth of the first one's matches; of equal bins the one with the
 /// smaller angle is taken; NaN agrees with nothing. ORB-SLAM2 means the same but divides by the bin number instead of the

@@ -19,7 +19,7 @@ const STEPS: f32 = 4.0;
 pub enum SelectionRule {
     /// The highest activation, in steps of a quarter, and of equal steps the strongest response.
     Activation,
-    /// Places on what may move are given up (activation below one half), of the others the strongest responses are kept.
+    /// Places on anything that may move are excluded (activation below one half); of the rest the strongest responses are kept.
     Semantic,
     /// No network: the strongest response, spread over the image as the extractor does it.
     Response,
@@ -52,7 +52,7 @@ impl Spread {
 pub struct SelectionConfig {
     /// By what.
     pub rule: SelectionRule,
-    /// Most features that are kept.
+    /// Maximum number of features kept.
     pub keep: usize,
     /// Whether they are spread over the image.
     pub spread: Spread,

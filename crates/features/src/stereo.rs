@@ -1,6 +1,6 @@
-//! Disparities of the left key-points by direct search in the right image; no features are extracted there.
+//! Disparities of the left keypoints by direct search in the right image; no features are extracted there.
 //!
-//! Per key-point: costs of its patch along the whole row at its octave, the best must stand out and be the best seen from the
+//! Per keypoint: costs of its patch along the whole row at its octave, the best must stand out and be the best seen from the
 //! right image too; then alignment at full resolution. At the end matches with an unusually high residual are dropped.
 
 use crate::align::{self, Alignment, align};
@@ -20,7 +20,7 @@ use simd::Simd;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct StereoConfig {
-    /// Nearest depth searched, metres; `None`: five baselines.
+    /// Nearest depth searched, meters; `None`: five baselines.
     pub min_depth_m: Option<f64>,
     /// Depth in baselines up to which a point is close.
     pub close_depth_baselines: f64,
@@ -53,10 +53,10 @@ impl Default for StereoConfig {
 #[rustfmt::skip]
 impl Section for StereoConfig {
     const KEYS: &'static [Entry] = &[
-        optional_real("stereo.min_depth_m", "m", above(0.0), "nearest depth searched for; absent: five baselines"),
-        real("stereo.close_depth_baselines", "baselines", above(0.0), "a point nearer than this makes a map point at once"),
-        real("stereo.disparity_offset_px", "px", between(-5.0, 5.0), "added to every disparity: a known error of the stereo calibration"),
-        integer("stereo.calibration_frames", "frames", [0, 100_000], "first frames run once before to refine the disparity offset from the images; 0: not at all"),
+        optional_real("stereo.min_depth_m", "m", above(0.0), "minimum depth of stereo matches; absent: five baselines"),
+        real("stereo.close_depth_baselines", "baselines", above(0.0), "features nearer than this become map points at once"),
+        real("stereo.disparity_offset_px", "px", between(-5.0, 5.0), "added to every disparity to correct a known error of the stereo calibration"),
+        integer("stereo.calibration_frames", "frames", [0, 100_000], "number of frames run once beforehand to refine the disparity offset from the images; 0: off"),
     ];
 }
 
@@ -91,7 +91,7 @@ struct Scratch {
 struct Coarse {
     /// Pixels of the level.
     disparity: f32,
-    /// Brightness that the right patch lacks, grey levels.
+    /// Brightness that the right patch lacks, gray levels.
     offset: i16,
 }
 
@@ -100,7 +100,7 @@ impl StereoMatcher {
         Self { config, simd: Simd::detect() }
     }
 
-    /// Disparity of each key-point in pixels of level 0, above zero; NaN where none is believed. Runs on the current rayon
+    /// Disparity of each keypoint in pixels of level 0, above zero; NaN where none is accepted. Runs on the current rayon
     /// pool; the result does not depend on the number of threads.
     pub(crate) fn disparities(&self, rig: &Rig, pair: StereoPair<'_>, keypoints: &[Keypoint]) -> Vec<f32> {
         let min_depth = self.config.min_depth_m.unwrap_or(NEAREST_BASELINES * rig.stereo.baseline_m);
@@ -122,7 +122,7 @@ impl StereoMatcher {
             .collect()
     }
 
-    /// The disparity of one key-point at level 0.
+    /// The disparity of one keypoint at level 0.
     fn find(
         &self,
         pair: StereoPair<'_>,
@@ -146,7 +146,7 @@ impl StereoMatcher {
         }
         let start = Alignment::start(f64::from(coarse.disparity * scale), f64::from(coarse.offset));
         let mut fine = align(self.simd, (left, x, y), right, start, f64::from(scale))?;
-        // From the centre of the patch to the corner itself.
+        // From the center of the patch to the corner itself.
         fine.disparity += fine.slope * (f64::from(keypoint.y) - y as f64);
         Some(fine)
     }

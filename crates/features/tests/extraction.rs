@@ -14,7 +14,7 @@ fn plain() -> GrayImage {
     render(|x, y| (x, y))
 }
 
-/// Size of the level of a key-point, and its place there.
+/// Size of the level of a keypoint, and its place there.
 fn on_level(keypoint: &dsslam_features::Keypoint) -> ([f64; 2], [f64; 2]) {
     let scale = 1.2f64.powi(i32::from(keypoint.octave));
     let size = [WIDTH as f64, HEIGHT as f64].map(|n| (n / scale).round());
@@ -125,7 +125,7 @@ fn descriptors_are_found_again_after_a_rotation() {
     let reference = extract(&plain());
     for degrees in [17.0f64, 45.0, 90.0, 133.0, 180.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        // The pixel at `p` of the rotated image shows what the first one has at `centre + R (p - centre)`.
+        // The pixel at `p` of the rotated image shows what the first one has at `center + R (p - center)`.
         let turn =
             |x: f64, y: f64| (cx + cos * (x - cx) - sin * (y - cy), cy + sin * (x - cx) + cos * (y - cy));
         let rotated = extract(&render(turn));
@@ -181,15 +181,15 @@ fn dim_cells_use_the_lower_threshold() {
 fn octaves_agree_on_where_things_are() {
     // Blobs far apart are found on several levels; all must place them alike, at the far edge too.
     let image = GrayImage::from_fn(WIDTH, HEIGHT, |x, y| {
-        let from_centre = |v: usize| (v % 80) as f64 - 40.0;
-        let distance_sq = from_centre(x).powi(2) + from_centre(y).powi(2);
+        let from_center = |v: usize| (v % 80) as f64 - 40.0;
+        let distance_sq = from_center(x).powi(2) + from_center(y).powi(2);
         (40.0 + 180.0 * (-distance_sq / 40.0).exp()) as u8
     });
     let features = Extractor::new(ExtractorConfig { keep: 4000, ..config() }).extract(&image);
     let mut offsets = vec![Vec::new(); 8];
     for keypoint in &features.keypoints {
-        let from_centre = |v: f32| f64::from(v).rem_euclid(80.0) - 40.0;
-        let (dx, dy) = (from_centre(keypoint.x), from_centre(keypoint.y));
+        let from_center = |v: f32| f64::from(v).rem_euclid(80.0) - 40.0;
+        let (dx, dy) = (from_center(keypoint.x), from_center(keypoint.y));
         if dx.hypot(dy) < 4.0 * 1.2f64.powi(i32::from(keypoint.octave)) {
             offsets[usize::from(keypoint.octave)].push((dx, dy));
         }

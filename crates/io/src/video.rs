@@ -78,14 +78,14 @@ pub struct VideoHeader {
     pub frame_rate_hz: Option<f64>,
     /// Number of frames, where the stream tells (`XN`, DSSLAM's own).
     pub n_frames: Option<usize>,
-    /// Bytes of colour behind the grey values of a frame.
-    colour_bytes: usize,
+    /// Bytes of color behind the gray values of a frame.
+    color_bytes: usize,
 }
 
 /// One frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VideoFrame {
-    /// Grey values.
+    /// Gray values.
     pub image: GrayImage,
     /// Seconds, where the frame tells (`XT`, DSSLAM's own).
     pub timestamp_s: Option<f64>,
@@ -134,7 +134,7 @@ impl<R: BufRead> VideoReader<R> {
         let text = String::from_utf8_lossy(&line).trim_end().to_string();
         let mut fields = text.split(' ');
         let ImageSize { width, height } = self.header.size;
-        let expected = width * height + self.header.colour_bytes;
+        let expected = width * height + self.header.color_bytes;
         if let Some(reason) = text.strip_prefix("XEND ") {
             return Err(VideoError::Told { name, reason: reason.to_string() });
         }
@@ -175,15 +175,14 @@ fn parse_header(line: &str) -> Option<VideoHeader> {
     if fields.next() != Some(MAGIC) {
         return None;
     }
-    let (mut width, mut height, mut frame_rate_hz, mut n_frames, mut colour) =
-        (None, None, None, None, "420");
+    let (mut width, mut height, mut frame_rate_hz, mut n_frames, mut color) = (None, None, None, None, "420");
     for field in fields.filter(|field| !field.is_empty()) {
         let (tag, value) = field.split_at_checked(1)?;
         match tag {
             "W" => width = Some(value.parse::<usize>().ok()?),
             "H" => height = Some(value.parse::<usize>().ok()?),
             "F" => frame_rate_hz = parse_rate(value)?,
-            "C" => colour = value,
+            "C" => color = value,
             "X" => n_frames = value.strip_prefix('N').and_then(|n| n.parse().ok()).or(n_frames),
             _ => {}
         }
@@ -194,15 +193,15 @@ fn parse_header(line: &str) -> Option<VideoHeader> {
         return None;
     }
     let (half_width, half_height) = (size.width.div_ceil(2), size.height.div_ceil(2));
-    // 420 has variants that differ in where colour is sampled; more than 8 bits are written as `420p10` and the like.
-    let colour_bytes = match colour {
+    // 420 has variants that differ in where color is sampled; more than 8 bits are written as `420p10` and the like.
+    let color_bytes = match color {
         "mono" => 0,
         "420" | "420jpeg" | "420mpeg2" | "420paldv" => 2 * half_width * half_height,
         "422" => 2 * half_width * size.height,
         "444" => 2 * size.width * size.height,
         _ => return None,
     };
-    Some(VideoHeader { size, frame_rate_hz, n_frames, colour_bytes })
+    Some(VideoHeader { size, frame_rate_hz, n_frames, color_bytes })
 }
 
 /// A rate `30000:1001`; `0:0` stands for an unknown one.
@@ -228,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn grey_frames_with_and_without_times() {
+    fn gray_frames_with_and_without_times() {
         let frames: [&[u8]; 2] = [b"FRAME XT0.25\nabcdef", b"FRAME\nghi\njk"];
         let stream = stream("YUV4MPEG2 W3 H2 F30000:1001 Ip A1:1 Cmono XN7", &frames);
         let mut reader = reader(&stream).unwrap();
@@ -243,15 +242,15 @@ mod tests {
     }
 
     #[test]
-    fn colour_is_skipped() {
-        for (colour, n_bytes) in [("C420jpeg", 4), ("C422", 8), ("C444", 12), ("", 4)] {
+    fn color_is_skipped() {
+        for (color, n_bytes) in [("C420jpeg", 4), ("C422", 8), ("C444", 12), ("", 4)] {
             let frame =
                 [&b"FRAME\nabcdef"[..], &vec![0; n_bytes], &b"FRAME\nABCDEF"[..], &vec![0; n_bytes]].concat();
-            let stream = stream(&format!("YUV4MPEG2 W3 H2 F0:0 {colour}"), &[&frame]);
+            let stream = stream(&format!("YUV4MPEG2 W3 H2 F0:0 {color}"), &[&frame]);
             let mut reader = reader(&stream).unwrap();
             assert_eq!(reader.header().frame_rate_hz, None);
             reader.next_frame().unwrap();
-            assert_eq!(reader.next_frame().unwrap().unwrap().image.data, b"ABCDEF", "{colour}");
+            assert_eq!(reader.next_frame().unwrap().unwrap().image.data, b"ABCDEF", "{color}");
             assert_eq!(reader.next_frame(), Ok(None));
         }
     }

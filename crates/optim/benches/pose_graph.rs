@@ -1,4 +1,4 @@
-//! Time of whole pose graph optimisations from a file's values, of one linear system, and of the test of a loop.
+//! Time of whole pose graph optimizations from a file's values, of one linear system, and of the test of a loop.
 
 #![allow(missing_docs)]
 

@@ -1,7 +1,7 @@
 //! Least squares on plain problems: the pose of one frame ([`refine_pose`]), bundle adjustment ([`refine_bundle`]) and pose
 //! graphs ([`refine_pose_graph`]); and the convex test of a loop ([`test_loop`]) before it may move anything.
 //!
-//! The first three are Levenberg-Marquardt with Huber's loss. Nothing here knows of maps, key-frames or threads: a caller
+//! The first three are Levenberg-Marquardt with Huber's loss. Nothing here knows of maps, keyframes or threads: a caller
 //! collects a problem into plain vectors, solves it and writes the answer back. Equal input gives equal bits.
 
 #![allow(clippy::needless_range_loop, reason = "small matrices read best by their indices")]

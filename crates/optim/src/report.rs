@@ -1,4 +1,4 @@
-//! What every optimisation tells about itself.
+//! What every optimization tells about itself.
 
 /// Outcome of a least-squares solve. Costs are half the sum of the (robust) whitened squared residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +24,6 @@ pub enum StopReason {
     IterationLimit,
     /// No step lowers the cost, however strong the damping.
     NoDescent,
-    /// Nothing to optimise: too few observations, or nothing free.
+    /// Nothing to optimize: too few observations, or nothing free.
     NoData,
 }

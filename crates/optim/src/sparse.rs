@@ -1,7 +1,7 @@
-//! Sparse symmetric systems in dense blocks, solved by faer's Cholesky factorisation.
+//! Sparse symmetric systems in dense blocks, solved by faer's Cholesky factorization.
 //!
 //! The elimination order comes from approximate minimum degree on the graph of blocks, once; so does the symbolic
-//! factorisation. All runs on the calling thread. faer chooses instructions by processor, so between processors of different
+//! factorization. All runs on the calling thread. faer chooses instructions by processor, so between processors of different
 //! kind the last bits may differ.
 
 use faer::dyn_stack::{MemBuffer, MemStack};

@@ -29,8 +29,8 @@ fn worst_pose(a: &[SE3], b: &[SE3]) -> (f64, f64) {
 
 /// Assertion on all poses and points.
 fn assert_same(a: &BundleSolution, cameras: &[SE3], points: &[geometry::Vec3], tolerance_m: f64) {
-    let (metres, radians) = worst_pose(&a.cameras, cameras);
-    assert!(metres < tolerance_m && radians < tolerance_m, "{metres} m, {radians} rad");
+    let (meters, radians) = worst_pose(&a.cameras, cameras);
+    assert!(meters < tolerance_m && radians < tolerance_m, "{meters} m, {radians} rad");
     for (i, (a, b)) in a.points.iter().zip(points).enumerate() {
         assert!((a - b).norm() < tolerance_m * (1.0 + b.norm()), "point {i}: {a} {b}");
     }
@@ -40,8 +40,8 @@ fn assert_same(a: &BundleSolution, cameras: &[SE3], points: &[geometry::Vec3], t
 fn a_displaced_street_without_noise_returns_to_rounding() {
     let truth = anchored(&StreetOptions { noise_px: 0.0, ..STREET });
     let problem = displaced(&truth, 2, 0.05, 0.005, 0.2);
-    let (metres, radians) = worst_pose(&problem.cameras, &truth.cameras);
-    assert!(metres > 0.05 && radians > 0.005, "not displaced: {metres} m, {radians} rad");
+    let (meters, radians) = worst_pose(&problem.cameras, &truth.cameras);
+    assert!(meters > 0.05 && radians > 0.005, "not displaced: {meters} m, {radians} rad");
     let solution = refine_bundle(&problem, &to_convergence(true));
     // Rounding of pixels, 1e-13 of 1000 px, times depth over baseline and focal length.
     assert_same(&solution, &truth.cameras, &truth.points, 1e-8);

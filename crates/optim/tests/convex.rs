@@ -1,4 +1,4 @@
-//! The convex fit of translations: known answers, an independent minimiser, symmetries, and the reasons for no answer.
+//! The convex fit of translations: known answers, an independent minimizer, symmetries, and the reasons for no answer.
 
 mod common;
 
@@ -134,7 +134,7 @@ fn reweighted(problem: &TranslationProblem) -> Vec<Vec3> {
 }
 
 #[test]
-fn the_answer_equals_that_of_an_independent_minimiser() {
+fn the_answer_equals_that_of_an_independent_minimizer() {
     for seed in 10..16 {
         let (problem, _) = noisy(seed, 25, 12, 4);
         let fit = fit(&problem);
@@ -244,7 +244,7 @@ fn a_hard_problem_is_solved_to_fewer_digits() {
 }
 
 #[test]
-fn the_reference_minimiser_solves_a_known_problem() {
+fn the_reference_minimizer_solves_a_known_problem() {
     let edges = [Vec3::zeros(), Vec3::zeros(), Vec3::new(0.0, 50.0, 0.0)].map(|t| edge(0, 1, t, 1.0));
     let problem = TranslationProblem { n_nodes: 2, fixed: 0, edges: edges.to_vec(), huber: 0.8 };
     let found = reweighted(&problem)[1];

@@ -1,4 +1,4 @@
-//! Motion-only optimisation on synthetic frames.
+//! Motion-only optimization on synthetic frames.
 
 mod common;
 
@@ -27,8 +27,8 @@ fn with_half_the_points_wrong_the_pose_is_within_three_sigma_of_least_squares_on
         let mono_share = f64::from((seed % 3) as u8) / 2.0;
         let (truth, observations) = frame(seed, 200, 1.0, 0.5, mono_share);
         let initial = small_motion(&mut random(seed + 1000), 0.2, 0.02) * truth;
-        let (metres, radians) = pose_difference(&initial, &truth);
-        assert!(metres > 0.03 && radians > 0.003, "not displaced");
+        let (meters, radians) = pose_difference(&initial, &truth);
+        assert!(meters > 0.03 && radians > 0.003, "not displaced");
 
         let right = &observations[100..];
         let expected = least_squares(truth, right);
@@ -54,8 +54,8 @@ fn without_noise_the_pose_returns_to_rounding() {
         let (truth, observations) = frame(seed, 60, 0.0, 0.0, 0.5);
         let initial = small_motion(&mut random(seed + 50), 0.3, 0.03) * truth;
         let solution = refine(initial, &observations);
-        let (metres, radians) = pose_difference(&solution.cam_from_world, &truth);
-        assert!(metres < 1e-9 && radians < 1e-10, "{metres} m, {radians} rad");
+        let (meters, radians) = pose_difference(&solution.cam_from_world, &truth);
+        assert!(meters < 1e-9 && radians < 1e-10, "{meters} m, {radians} rad");
         assert!(solution.inliers.iter().all(|&i| i));
         assert_eq!(solution.report.stop, StopReason::Converged);
     }
@@ -71,8 +71,8 @@ fn moving_the_world_moves_the_pose_along() {
         .map(|o| PoseObservation { point_world: old_from_new.inverse() * o.point_world, ..*o })
         .collect();
     let (a, b) = (refine(initial, &observations), refine(initial * old_from_new, &moved));
-    let (metres, radians) = pose_difference(&(a.cam_from_world * old_from_new), &b.cam_from_world);
-    assert!(metres < 1e-10 && radians < 1e-11, "{metres} m, {radians} rad");
+    let (meters, radians) = pose_difference(&(a.cam_from_world * old_from_new), &b.cam_from_world);
+    assert!(meters < 1e-10 && radians < 1e-11, "{meters} m, {radians} rad");
     assert_eq!(a.inliers, b.inliers);
 }
 
@@ -98,8 +98,8 @@ fn the_order_of_observations_does_not_matter() {
     let initial = small_motion(&mut random(7), 0.1, 0.01) * truth;
     let reversed: Vec<_> = observations.iter().rev().copied().collect();
     let (a, b) = (refine(initial, &observations), refine(initial, &reversed));
-    let (metres, radians) = pose_difference(&a.cam_from_world, &b.cam_from_world);
-    assert!(metres < 1e-9 && radians < 1e-10, "{metres} m, {radians} rad");
+    let (meters, radians) = pose_difference(&a.cam_from_world, &b.cam_from_world);
+    assert!(meters < 1e-9 && radians < 1e-10, "{meters} m, {radians} rad");
     assert!(a.inliers.iter().rev().eq(b.inliers.iter()));
 }
 
@@ -152,8 +152,8 @@ fn points_behind_the_camera_and_broken_numbers_are_outliers() {
     observations[5].inv_sigma_sq = f64::NAN;
     observations[6].point_world = world_from_cam * Vec3::new(1e300, 0.0, 1.0);
     let solution = refine(small_motion(&mut random(13), 0.1, 0.01) * truth, &observations);
-    let (metres, radians) = pose_difference(&solution.cam_from_world, &truth);
-    assert!(metres < 1e-8 && radians < 1e-9, "{metres} m, {radians} rad");
+    let (meters, radians) = pose_difference(&solution.cam_from_world, &truth);
+    assert!(meters < 1e-8 && radians < 1e-9, "{meters} m, {radians} rad");
     assert!(solution.inliers[..7].iter().all(|&i| !i) && solution.inliers[7..].iter().all(|&i| i));
     assert!(solution.report.final_cost.is_finite() && solution.report.initial_cost.is_finite());
 }

@@ -288,7 +288,7 @@ fn nothing_at_all() {
     assert_eq!((solution.report.stop, solution.poses), (StopReason::NoData, held.poses));
 }
 
-/// Useless edges are left out and marked; the rest is solved as if they were not there.
+/// Useless edges are skipped and marked; the rest is solved as if they were not there.
 #[test]
 fn edges_that_say_nothing_are_left_out() {
     let good = displaced(&graph::<SE3, 6>(22, 20, 8, 0.05), 23, 0.1);

@@ -18,7 +18,7 @@ pub struct FrameAnswer {
     pub index: u32,
     /// Time, seconds.
     pub timestamp_s: f64,
-    /// What became of it.
+    /// Its outcome.
     pub status: FrameStatus,
     /// Pose in the map that it saw, or that it starts; `None` for a frame without a pose of its own.
     pub world_from_cam: Option<SE3>,
@@ -63,7 +63,7 @@ pub enum Event {
     /// A frame went through tracking, or was dropped.
     Frame(FrameAnswer),
     /// A lost camera, or one in a map from a file, found its place again.
-    Relocalised {
+    Relocalized {
         /// Number of the frame in its sequence.
         frame: u32,
         /// The keyframe that its pose refers to.
@@ -100,12 +100,12 @@ pub enum Event {
     },
     /// A loop was closed, or rejected.
     Loop(LoopRecord),
-    /// A global bundle adjustment was taken over.
+    /// A global bundle adjustment was applied.
     GlobalAdopted {
         /// Its cost before and after.
         cost: [f64; 2],
     },
-    /// A global bundle adjustment was given up, since another loop was closed meanwhile.
+    /// A global bundle adjustment was discarded, since another loop was closed meanwhile.
     GlobalDiscarded,
     /// The map refused a global bundle adjustment.
     GlobalRefused {
@@ -157,7 +157,7 @@ pub struct SourceImages {
 pub struct FrameDetails {
     /// Number and time.
     pub info: FrameInfo,
-    /// What became of it.
+    /// Its outcome.
     pub status: FrameStatus,
     /// Its features.
     pub frame: Arc<Frame>,

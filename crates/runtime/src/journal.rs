@@ -1,4 +1,4 @@
-//! What happened in which order: enough to do a run again, bit for bit, whatever its threads did.
+//! What happened in which order: enough to repeat a run bit for bit, whatever its threads did.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -20,14 +20,14 @@ pub struct Journal {
     pub(crate) operations: Vec<Operation>,
 }
 
-/// What became of a frame before tracking.
+/// Outcome of a frame before tracking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Seen {
     /// Not looked at: tracking was behind.
     Skipped,
     /// The images could not be used.
     Unusable,
-    /// Tracked in the map after so many operations, and whether mapping was idle.
+    /// Tracked in the map after this number of operations, and whether mapping was idle.
     After(usize, bool),
 }
 
@@ -42,29 +42,29 @@ pub(crate) enum Operation {
     Refine(usize),
     /// The loop found at the keyframe that a frame became was closed.
     CloseLoop(usize),
-    /// The global solution started by the loop of a frame was taken over.
+    /// The global solution started by the loop of a frame was applied.
     Adopt(usize),
-    /// That solution was given up, since another loop was closed.
+    /// That solution was discarded, since another loop was closed.
     Discard(usize),
 }
 
 /// Why a journal cannot be replayed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum JournalError {
-    /// It is no journal at all, or broken.
-    #[error("is no journal: {0}")]
+    /// Not a journal at all, or damaged.
+    #[error("not a journal: {0}")]
     Broken(String),
     /// Its form is of another version of the program.
-    #[error("is a journal of version {found}, expected version {VERSION}")]
+    #[error("journal version {found} is not supported, expected version {VERSION}")]
     Version {
         /// The version that it claims.
         found: u64,
     },
     /// Configuration, camera, vocabulary or start map differ from those of the run that it describes.
-    #[error("is the journal of a run with another configuration, camera, vocabulary or start map")]
+    #[error("the journal was recorded with a different configuration, camera, vocabulary or start map")]
     OtherSetup,
     /// It describes more frames than there are.
-    #[error("is the journal of at least {frames} frames, there are {available}")]
+    #[error("the journal covers at least {frames} frames, the sequence has {available}")]
     TooLong {
         /// Frames in the journal.
         frames: usize,
@@ -72,7 +72,7 @@ pub enum JournalError {
         available: usize,
     },
     /// It asks for a step that is not possible there.
-    #[error("does not fit these frames: {0}")]
+    #[error("the journal does not match these frames: {0}")]
     DoesNotFit(String),
 }
 
@@ -118,7 +118,7 @@ impl Journal {
         let broken = |error: serde_json::Error| JournalError::Broken(error.to_string());
         let tree: serde_json::Value = serde_json::from_slice(bytes).map_err(broken)?;
         match tree.get("version").and_then(serde_json::Value::as_u64) {
-            None => Err(JournalError::Broken("it has no version".into())),
+            None => Err(JournalError::Broken("the version is missing".into())),
             Some(found) if found != u64::from(VERSION) => Err(JournalError::Version { found }),
             Some(_) => serde_json::from_value(tree).map_err(broken),
         }
@@ -153,9 +153,12 @@ mod tests {
     fn broken_and_newer_journals_are_named() {
         let json = journal().to_json();
         let cut = Journal::from_json(&json[..json.len() / 2]).unwrap_err();
-        assert!(cut.to_string().starts_with("is no journal: EOF while parsing"), "{cut}");
+        assert!(cut.to_string().starts_with("not a journal: EOF while parsing"), "{cut}");
         let newer = String::from_utf8(json).unwrap().replace("\"version\":1", "\"version\":2");
         assert_eq!(Journal::from_json(newer.as_bytes()), Err(JournalError::Version { found: 2 }));
-        assert_eq!(Journal::from_json(b"{}").unwrap_err().to_string(), "is no journal: it has no version");
+        assert_eq!(
+            Journal::from_json(b"{}").unwrap_err().to_string(),
+            "not a journal: the version is missing"
+        );
     }
 }

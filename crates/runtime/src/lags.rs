@@ -23,7 +23,7 @@ impl Default for Lags {
 #[rustfmt::skip]
 impl Section for Lags {
     const KEYS: &'static [Entry] = &[
-        integer("runtime.lag", "frames", [1, 100], "tracking sees the finished mapping of a keyframe so many frames later; 1: with the next frame"),
-        integer("runtime.loop_lag", "frames", [1, 1000], "a loop may be closed so many frames after the keyframe that found it").expert(),
+        integer("runtime.lag", "frames", [1, 100], "tracking sees the finished mapping of a keyframe this many frames later; 1: at the next frame"),
+        integer("runtime.loop_lag", "frames", [1, 1000], "a loop is closed this many frames after the keyframe that found it").expert(),
     ];
 }

@@ -8,8 +8,8 @@
 //! | schedule | threads | what tracking sees |
 //! |---|---|---|
 //! | `Sequential` | one, beside decoding | the state of the rule |
-//! | `Lockstep` | one per stage | the state of the rule; whoever is early waits |
-//! | `Live` | one per stage | the newest state; its [`Journal`] does the run again |
+//! | `Lockstep` | one per stage | the state of the rule; the stage that is ahead waits |
+//! | `Live` | one per stage | the newest state; its [`Journal`] repeats the run |
 //!
 //! The rule (`rule.rs`) knows frame numbers only: the same frames and setup give the same bits with the first two.
 //!

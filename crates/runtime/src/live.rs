@@ -44,7 +44,7 @@ pub(crate) fn paced(
     frames
 }
 
-/// Puts a value into a channel for one, in the place of one that nobody has taken yet.
+/// Puts a value into a channel for one, replacing one that has not been taken yet.
 pub(crate) fn replace<T>(slot: &Sender<T>, taken: &Receiver<T>, mut value: T) {
     while let Err(TrySendError::Full(back)) = slot.try_send(value) {
         // Either the reader has just taken the older value, or it is dropped here.
@@ -104,7 +104,7 @@ impl MapStage {
     /// Works until tracking is gone, then brings in what is still to come.
     ///
     /// # Errors
-    /// When a service is gone or fails.
+    /// When a service thread has ended or fails.
     pub(crate) fn live(
         &mut self,
         messages: &Receiver<Message>,

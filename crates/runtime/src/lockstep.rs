@@ -209,7 +209,7 @@ fn start_services<'scope, 'env>(
     Ok((stage, finders, global))
 }
 
-/// Maps until tracking or a service is gone.
+/// Maps until tracking or a service thread has ended.
 pub(crate) fn map(
     job: &Job<'_>,
     mut stage: MapStage,

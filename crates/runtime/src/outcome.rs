@@ -30,7 +30,7 @@ impl Parts {
         let map = world.map;
         let interrupted = tracking.frames.len() < frames || mapping.cut_short;
         let mut statistics = mapping.statistics;
-        statistics.relocalisations = tracking.relocalisations;
+        statistics.relocalizations = tracking.relocalizations;
         let journal = Journal::new(
             setup.fingerprint(),
             disparity_offset_px,

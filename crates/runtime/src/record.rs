@@ -14,7 +14,7 @@ use crate::failure::StageFailure;
 use crate::journal::{Journal, JournalError};
 use crate::timings::Timings;
 
-/// What became of a frame.
+/// Outcome of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrameStatus {
     /// There was no map yet and the frame could not start one.
@@ -96,7 +96,7 @@ pub enum Unusable {
         expected: ImageSize,
     },
     /// An image that the sensor has is not there.
-    #[error("there is no {0} image")]
+    #[error("the {0} image is missing")]
     Missing(&'static str),
     /// There is an image of a camera that the calibration does not know.
     #[error("found no rectification of the {0} image")]
@@ -116,13 +116,13 @@ pub struct FrameRecord {
     pub index: u32,
     /// Time, seconds.
     pub timestamp_s: f64,
-    /// What became of it.
+    /// Its outcome.
     pub status: FrameStatus,
     /// Final pose, after all corrections of the map; of lost and dropped frames the last one known, `None` before
     /// the map was started.
     pub world_from_cam: Option<SE3>,
-    /// The sub-map that the pose belongs to, named by the root of its keyframes. Poses of different sub-maps have nothing
-    /// to do with each other.
+    /// The sub-map that the pose belongs to, named by the root of its keyframes. Poses of different sub-maps are in
+    /// unrelated coordinate frames.
     pub submap: Option<KeyframeId>,
 }
 
@@ -137,18 +137,18 @@ pub struct LoopRecord {
     pub matched_frame: u32,
     /// Its keyframe.
     pub matched: KeyframeId,
-    /// What became of it.
+    /// Its outcome.
     pub result: LoopResult,
 }
 
-/// What became of a loop.
+/// Outcome of a loop.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoopResult {
     /// The map was corrected.
     Closed {
         /// Matches that agree with the loop's geometry.
         inliers: usize,
-        /// How far the keyframe moved, metres.
+        /// How far the keyframe moved, meters.
         moved_m: f64,
         /// How far it turned, degrees.
         turned_deg: f64,
@@ -168,16 +168,16 @@ pub struct Statistics {
     pub loops_closed: usize,
     /// Loops looked at and rejected, or refused by the map.
     pub loops_rejected: usize,
-    /// Global bundle adjustments taken over.
+    /// Global bundle adjustments applied.
     pub globals_adopted: usize,
-    /// Global bundle adjustments given up, since another loop was closed meanwhile.
+    /// Global bundle adjustments discarded, since another loop was closed meanwhile.
     pub globals_discarded: usize,
     /// Sub-maps started after a lasting loss.
     pub submaps_started: usize,
     /// Sub-maps joined to another one by a loop.
     pub submaps_joined: usize,
     /// Times that a lost camera, or one in a map from a file, found its place again.
-    pub relocalisations: usize,
+    pub relocalizations: usize,
 }
 
 /// A run's results. Complete up to where it was interrupted or where a stage failed.
@@ -220,6 +220,6 @@ pub enum RunError {
         reason: String,
     },
     /// The journal cannot be replayed.
-    #[error("the file {0}")]
+    #[error("the journal cannot be replayed: {0}")]
     Journal(#[from] JournalError),
 }

@@ -80,7 +80,7 @@ struct Replay<'a> {
     map: MapStage,
     /// Operations done.
     done: usize,
-    /// The world after so many operations, as a frame saw it last.
+    /// The world after this number of operations, as a frame saw it last.
     seen: (usize, Arc<World>),
     /// By position in the feed: what tracking told and mapping still needs.
     messages: BTreeMap<usize, Message>,
@@ -108,13 +108,13 @@ impl Replay<'_> {
                 Seen::After(operation, idle) => Some(self.view(operation, idle, out)?),
             };
             let extracted = caught("extract", || extract.extract(fetch(job.feed, n))).map_err(Stop::Stage)?;
-            let unusable = || misfit(format!("frame {n} could not be used then"));
+            let unusable = || misfit(format!("frame {n} was unusable in the recorded run"));
             let message =
                 caught("track", || track.step(extracted, |_| view.ok_or_else(unusable), tracking, out.emit));
             match message.map_err(Stop::Stage)??.1 {
                 Some(message) => drop(self.messages.insert(n, message)),
                 None if self.journal.frames[n] == Seen::Unusable => {}
-                None => return Err(misfit(format!("frame {n} cannot be used now"))),
+                None => return Err(misfit(format!("frame {n} is unusable in this run"))),
             }
             if job.is_stopped() {
                 return Ok(());
@@ -124,7 +124,7 @@ impl Replay<'_> {
         self.hear_the_rest(out)
     }
 
-    /// The world after so many operations.
+    /// The world after this number of operations.
     fn view(&mut self, operation: usize, idle: bool, out: &mut Out<'_>) -> Result<View, Stop> {
         self.advance(operation, out)?;
         if self.seen.0 != operation {
@@ -147,7 +147,7 @@ impl Replay<'_> {
             });
             self.note_end(ended)?;
             if !fits {
-                return Err(misfit(format!("{operation:?} is not possible as operation {}", self.done)));
+                return Err(misfit(format!("{operation:?} is impossible as operation {}", self.done)));
             }
         }
         Ok(())
@@ -209,7 +209,7 @@ impl Replay<'_> {
         Ok(false)
     }
 
-    /// Hears what became of the keyframes at which no loop was closed, for the record only.
+    /// Receives the outcome of the keyframes at which no loop was closed, for the record only.
     fn hear_the_rest(&mut self, out: &mut Out<'_>) -> Result<(), Stop> {
         let ended = map_caught(|| {
             while !self.map.coming_loops.is_empty() {
@@ -224,7 +224,7 @@ impl Replay<'_> {
         let Err(MapEnd { is_whole, failure }) = ended else { return Ok(()) };
         self.is_whole = is_whole;
         // In turn, a service that is gone has failed.
-        Err(failure.map_or_else(|| misfit("a service is gone".into()), Stop::Stage))
+        Err(failure.map_or_else(|| misfit("a service thread has ended".into()), Stop::Stage))
     }
 }
 

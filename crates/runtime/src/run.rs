@@ -106,7 +106,7 @@ pub(crate) struct Plan {
 /// What is to be run.
 pub(crate) struct Job<'a> {
     pub(crate) feed: &'a dyn FrameFeed,
-    /// The first so many frames; `None`: until the feed ends.
+    /// This many frames from the start; `None`: until the feed ends.
     pub(crate) frames: Option<usize>,
     pub(crate) stop: &'a AtomicBool,
     pub(crate) plan: Arc<Plan>,

@@ -119,7 +119,7 @@ pub(crate) fn serve<Q, A>(asked: &Receiver<Asked<Q, A>>, mut work: impl FnMut(Q)
     }
 }
 
-/// Answers the newest question; older ones are those that were given up.
+/// Answers the newest question; older ones were discarded.
 pub(crate) fn serve_newest<Q, A>(asked: &Receiver<Asked<Q, A>>, mut work: impl FnMut(Q) -> A) {
     for mut next in asked {
         next = asked.try_iter().last().unwrap_or(next);

@@ -15,12 +15,12 @@ use crate::faults::Faults;
 use crate::lags::Lags;
 use crate::rule::Rule;
 
-/// How the stages of a run share time. `Sequential` and `Lockstep` give the same bits.
+/// How the stages of a run are scheduled. `Sequential` and `Lockstep` give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Schedule {
     /// All stages in turn on one thread; only images are decoded ahead.
     Sequential,
-    /// Each stage on a thread of its own; what tracking sees depends on frame numbers alone, and whoever is early waits.
+    /// Each stage on a thread of its own; what tracking sees depends on frame numbers alone, and the stage that is ahead waits.
     #[default]
     Lockstep,
     /// Each stage on a thread of its own; tracking never waits and sees the newest map.
@@ -61,9 +61,9 @@ pub struct Setup {
     pub depth: DepthConfig,
     /// Tracking, mapping and loop closing.
     pub slam: Params,
-    /// Words to recognise places with; without them there are no loops and no relocalisation.
+    /// Words to recognize places with; without them there are no loops and no relocalization.
     pub vocabulary: Option<Arc<Vocabulary>>,
-    /// A map to go on with, for instance from a file.
+    /// A map to resume from, for instance from a file.
     pub start: Option<Map>,
     /// How stages share time.
     pub schedule: Schedule,

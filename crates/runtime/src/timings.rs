@@ -1,4 +1,4 @@
-//! Wall-clock times per frame and stage, measured at the rim.
+//! Wall-clock times per frame and stage, measured outside the algorithms.
 
 use std::time::{Duration, Instant};
 

@@ -141,11 +141,11 @@ fn of_frame(answer: &FrameAnswer) -> Words {
         .with("track_ms", *track_ms)
 }
 
-/// Loops, relocalisations, sub-maps and global bundle adjustments.
+/// Loops, relocalizations, sub-maps and global bundle adjustments.
 fn of_place(event: &Event) -> Option<Words> {
     Some(match event {
-        Event::Relocalised { frame, keyframe, .. } => {
-            Words::new(Weight::Info, "relocalised", format!("place recognized at frame {frame}"))
+        Event::Relocalized { frame, keyframe, .. } => {
+            Words::new(Weight::Info, "relocalized", format!("place recognized at frame {frame}"))
                 .with("frame", *frame)
                 .with("keyframe", keyframe.0)
         }

@@ -28,13 +28,13 @@ fn check_unusable_frames(schedule: Schedule) {
     let nothing = NotReady::TooFewDepths { found: 0, needed: 100, features: 0 };
     assert_eq!(status[1], FrameStatus::NotReady(nothing));
     assert_eq!(status[3], FrameStatus::Dropped(broken()));
-    assert_eq!(status[5].reason().unwrap(), "there is no right image");
+    assert_eq!(status[5].reason().unwrap(), "the right image is missing");
     assert_eq!(status[6].reason().unwrap(), "the right image is 160 x 200 pixels, expected 320 x 200");
     for i in [2, 4, 7] {
         assert!(status[i].has_pose(), "frame {i}: {:?}", status[i]);
     }
-    let centre = outcome.frames[7].world_from_cam.unwrap().translation.norm();
-    assert!(centre < 0.05, "a camera that stands still moved {centre} m");
+    let center = outcome.frames[7].world_from_cam.unwrap().translation.norm();
+    assert!(center < 0.05, "a camera that stands still moved {center} m");
     assert_eq!(outcome.frames[1].world_from_cam, None);
     assert_eq!(outcome.frames[3].world_from_cam, outcome.frames[2].world_from_cam);
     assert!(!outcome.interrupted);

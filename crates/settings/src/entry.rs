@@ -101,7 +101,7 @@ pub const fn optional_choice(key: &'static str, words: &'static [&'static str], 
     Entry { is_optional: true, ..choice(key, words, help) }
 }
 
-/// A key with the name of a file, which may be absent.
+/// A key with a file name, which may be absent.
 pub const fn optional_file(key: &'static str, help: &'static str) -> Entry {
     Entry { is_optional: true, ..entry(key, Kind::File, help) }
 }
@@ -127,16 +127,16 @@ impl Entry {
         self.key.rsplit_once('.').map_or(self.key, |(_, name)| name)
     }
 
-    /// What a value must be, with range and unit, in words.
+    /// What a value must be, with range and unit, as text.
     pub fn expectation(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         match self.kind {
-            Kind::Integer { least, most: i64::MAX } => format!("a whole number from {least}{unit} on"),
+            Kind::Integer { least, most: i64::MAX } => format!("a whole number, at least {least}{unit}"),
             Kind::Integer { least, most } => format!("a whole number from {least} to {most}{unit}"),
             Kind::Real(range) => range.expectation(&unit),
             Kind::Flag => "true or false".to_string(),
             Kind::Choice(words) => format!("one of {}", words.join(", ")),
-            Kind::File => "the name of a file".to_string(),
+            Kind::File => "a file name".to_string(),
         }
     }
 }
@@ -154,7 +154,7 @@ impl Range {
             (false, _, false) => "a finite number".to_string(),
             (false, _, true) => format!("a number up to {high}{unit}"),
             (true, true, true) => format!("a number from {low} to {high}{unit}"),
-            (true, true, false) => format!("a number from {low}{unit} on"),
+            (true, true, false) => format!("a number, at least {low}{unit}"),
             (true, false, true) => format!("a number above {low} and up to {high}{unit}"),
             (true, false, false) => format!("a number above {low}{unit}"),
         }

@@ -28,7 +28,7 @@ const SIGMA_PX: f64 = 0.4;
 const PRIOR_SIGMA_PX: f64 = 0.1;
 /// What the model does not know (moving objects, lenses): no estimate is better than this.
 const SYSTEMATIC_SIGMA_PX: f64 = 0.03;
-/// Larger offsets are not believed: something else is wrong.
+/// Larger offsets are rejected: something else is wrong.
 const MAX_OFFSET_PX: f64 = 0.4;
 /// Steps of the two parabolas, pixels.
 const STEPS_PX: [f64; 2] = [0.1, 0.05];

@@ -16,10 +16,10 @@ const CHUNK: usize = 64;
 pub struct KeyframeDatabase {
     /// Without one, no place is ever recognized.
     vocabulary: Option<Arc<Vocabulary>>,
-    /// Whether features count in words as far as they are trusted.
+    /// Whether bag-of-words entries are weighted by activation.
     weighted: bool,
     index: PlaceIndex,
-    /// By id of the keyframe; `None` for keyframes that are not there.
+    /// By id of the keyframe; `None` for keyframes that do not exist.
     direct: Vec<Arc<Vec<Option<Arc<DirectIndex>>>>>,
 }
 

@@ -85,10 +85,10 @@ impl fmt::Display for NotReady {
         match self {
             NotReady::TooFewDepths { found, needed, features } => write!(
                 f,
-                "the map cannot start: {found} of {features} features have a depth, {needed} are needed"
+                "the map cannot start: {found} of {features} features have a depth, {needed} needed"
             ),
             NotReady::NoPair(reason) => write!(f, "the map cannot start: {reason}"),
-            NotReady::MapStarting => f.write_str("the map is being started"),
+            NotReady::MapStarting => f.write_str("the map is being initialized"),
         }
     }
 }

@@ -22,7 +22,7 @@ impl World {
         World { map: Map::new(), places: KeyframeDatabase::new(vocabulary) }
     }
 
-    /// A map from elsewhere, its places described anew.
+    /// A map from elsewhere, its place descriptions recomputed.
     pub fn from_map(map: Map, vocabulary: Option<Arc<Vocabulary>>) -> Self {
         let places = KeyframeDatabase::new(vocabulary).with_map(&map);
         World { map, places }

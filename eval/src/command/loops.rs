@@ -11,8 +11,8 @@ use crate::plot::{PrecisionRecallFigure, save};
 use crate::{Detection, LoopTruth, SamePlace, precision_recall, score_loops};
 
 pub(super) const HELP: &str = "\
-DETECTIONS: a line per detection, 'query,answer' or 'query,answer,score' (frame numbers; a smaller score is better: the mean
-re-projection error of the RANSAC inliers). With scores there are also precision-recall curve and AUC.
+DETECTIONS: one line per detection, 'query,answer' or 'query,answer,score' (frame numbers; a smaller score is better: the mean
+reprojection error of the RANSAC inliers). Scores add a precision-recall curve and its AUC.
 
 Examples:
   dsslam eval loops detections.csv --poses kitti/poses/06.txt --min-gap 1 --plots out";
@@ -35,10 +35,10 @@ pub(super) struct LoopsArgs {
     /// With --poses: largest angle between their viewing directions, degrees; 180 accepts opposite directions.
     #[arg(long, value_name = "DEG", default_value_t = 45.0)]
     max_angle: f64,
-    /// With --poses: smallest number of frames between them.
+    /// With --poses: minimum number of frames between them.
     #[arg(long, value_name = "FRAMES", default_value_t = 100)]
     min_gap: usize,
-    /// Writes the judged detections here, as a run's folder may hold them (detections.csv) for tables and plots.
+    /// Writes the scored detections to this file; named detections.csv in a run's folder, it feeds tables and plots.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Writes the precision-recall curve (PNG and SVG) into this folder.
@@ -84,7 +84,7 @@ pub(super) fn run(args: &LoopsArgs) -> Result<()> {
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if let Some(folder) = &args.plots {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let name = args.detections.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let figure =
             PrecisionRecallFigure { title: "Place recognition".to_owned(), curves: vec![(name, curve)] };

@@ -25,10 +25,10 @@ enum Action {
     /// Runs a suite: sequences x configurations x repeats, resumable.
     #[command(after_help = suite::RUN_HELP)]
     Run(suite::RunArgs),
-    /// Prints and writes the tables of a suite's results, published baselines beside them.
+    /// Prints and writes tables of a suite's results beside published baselines.
     #[command(after_help = suite::TABLE_HELP)]
     Table(suite::ResultsArgs),
-    /// Draws a suite's results (PNG, SVG) and writes a report that stands alone in one HTML file.
+    /// Draws a suite's results (PNG, SVG) and writes a self-contained HTML report.
     #[command(after_help = suite::PLOT_HELP)]
     Plot(suite::ResultsArgs),
     /// Scores detected loops: precision, recall, precision-recall curve.

@@ -16,14 +16,14 @@ use crate::table::{Table, metric_table, runs_csv, runs_table};
 pub(super) const RUN_HELP: &str = "\
 A suite is a YAML file:
   name: kitti
-  dataset: kitti                      # published results to stand beside (kitti, euroc, tum-rgbd)
+  dataset: kitti                      # published results to compare with (kitti, euroc, tum-rgbd)
   sequences:
     - {name: \"00\", path: \"${DSSLAM_DATA}/kitti/sequences/00\"}   # ground_truth: FILE, max_frames: N
   configurations:
     - {name: orb, config: ../../configs/kitti.yaml, set: [features.keep=1000]}   # sensor: stereo|rgbd|mono
   repeats: 1                          # timeout_s: 3600, lengths_m: [100, 200]
 Relative paths start at the file's folder. Each run has its folder RESULTS/<sequence>/<configuration>/<repeat>; started
-again, the suite goes on where it was.
+again, the suite continues where it stopped.
 
 Examples:
   dsslam eval run suite.yaml --jobs 2                            # results/<name of the suite>
@@ -49,22 +49,22 @@ pub(super) struct RunArgs {
     /// The suite.
     #[arg(value_name = "SUITE.yaml")]
     suite: PathBuf,
-    /// Results folder; by default results/<name of the suite>.
+    /// Results folder [default: results/<name of the suite>].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs at the same time.
+    /// Number of parallel runs.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: u16,
-    /// The dsslam program; by default this one.
+    /// The dsslam program [default: this one].
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
-    /// Runs again what failed before.
+    /// Repeats runs that failed.
     #[arg(long)]
     retry_failed: bool,
-    /// Only the runs whose name begins with this: SEQUENCE, SEQUENCE/CONFIGURATION or SEQUENCE/CONFIGURATION/REPEAT.
+    /// Only runs whose name begins with this: SEQUENCE, SEQUENCE/CONFIGURATION or SEQUENCE/CONFIGURATION/REPEAT.
     #[arg(long, value_name = "RUN")]
     only: Option<String>,
-    /// Runs nothing, but writes one shell command per run into this file.
+    /// Writes one shell command per run into this file, without running anything.
     #[arg(long, value_name = "FILE")]
     jobs_file: Option<PathBuf>,
 }
@@ -89,7 +89,7 @@ impl ResultsArgs {
         let results = Results::read(&self.results)?;
         let baselines = read_baselines(self.baselines.as_deref())?;
         let folder = self.out.clone().unwrap_or_else(|| self.results.join(name));
-        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        std::fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
         Ok((results, baselines, folder))
     }
 }
@@ -122,7 +122,7 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
     ))?;
     if n_failed > 0 {
         bail!(
-            "{n_failed} of {} runs failed; each folder has its log.txt, --retry-failed runs them again",
+            "{n_failed} of {} runs failed; each folder holds a log.txt; --retry-failed repeats them",
             records.len()
         );
     }
@@ -181,7 +181,7 @@ pub(super) fn plot(args: &ResultsArgs) -> Result<()> {
     }
     let report = folder.join("report.html");
     write(&report, &html_report(&results, &baselines, &figures, &problems)?)?;
-    say(format!("written: {} and {} figures beside it", report.display(), figures.len()))?;
+    say(format!("written: {}, with {} figures beside it", report.display(), figures.len()))?;
     Ok(())
 }
 

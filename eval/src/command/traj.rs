@@ -28,25 +28,25 @@ pub(super) struct TrajArgs {
     /// Ground truth.
     #[arg(value_name = "GROUND_TRUTH")]
     gt: PathBuf,
-    /// Format of both files; by default their first line decides.
+    /// Format of both files [default: detected from the first line].
     #[arg(long, value_enum)]
     format: Option<FormatArg>,
-    /// Format of the ground truth where it differs.
+    /// Format of the ground truth, if different.
     #[arg(long, value_enum)]
     gt_format: Option<FormatArg>,
-    /// What is aligned before ATE; sim3 for monocular estimates.
+    /// Alignment before ATE; use sim3 for monocular estimates.
     #[arg(long, value_enum, default_value = "se3")]
     align: Alignment,
-    /// How poses are matched; by default by frame for KITTI files, else by time.
+    /// How to match poses [default: by frame for KITTI files, else by time].
     #[arg(long, value_enum)]
     associate: Option<AssociateArg>,
-    /// Largest difference of timestamps, seconds.
+    /// Maximum difference between timestamps, seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = TIMESTAMP_TOLERANCE_S)]
     tolerance: f64,
     /// Segment lengths of t_rel and r_rel, meters.
     #[arg(long, value_name = "M,M,...", value_delimiter = ',', default_values_t = KITTI_LENGTHS_M)]
     lengths: Vec<f64>,
-    /// What t_rel and r_rel do at lost frames.
+    /// How t_rel and r_rel treat lost frames.
     #[arg(long, value_enum, default_value = "fill")]
     lost: LostFrames,
     /// Distance of the two frames of a relative pose error.
@@ -151,7 +151,7 @@ fn print_files(args: &TrajArgs, est: &TrajectoryFile, gt: &TrajectoryFile) -> Re
     for (what, path, file) in [("estimate", &args.est, est), ("ground truth", &args.gt, gt)] {
         let repeated = match file.n_repeated_times {
             0 => String::new(),
-            n => format!(", {n} rows with the time of the row before left out"),
+            n => format!(", {n} rows that repeat the previous time skipped"),
         };
         let n = file.trajectory.poses.len();
         say(format!("{what:<13} {} ({:?}, {n} poses{repeated})", path.display(), file.format))?;
@@ -226,7 +226,7 @@ fn drift_line(e: &Evaluation, lengths_m: &[f64]) -> String {
     let mut notes = vec![format!("{} segments", e.n_segments)];
     notes.push(if e.alignment == Alignment::Sim3 { "after Sim3" } else { "no alignment" }.to_owned());
     if e.n_segments_skipped > 0 {
-        notes.push(format!("{} segments without a pose left out", e.n_segments_skipped));
+        notes.push(format!("{} segments without a pose skipped", e.n_segments_skipped));
     } else if e.coverage.n_lost > 0 {
         notes.push(format!("{} lost frames filled", e.coverage.n_lost));
     }
@@ -244,7 +244,7 @@ fn statistics(s: &Statistics, unit: &str) -> String {
 }
 
 fn write_plots(folder: &Path, args: &TrajArgs, e: &Evaluation) -> Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
     let name = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let title = format!("{} over {}", name(&args.est), name(&args.gt));
     let aligned = |pose: &Option<geometry::SE3>| Some(e.aligned(&pose.as_ref()?.translation));

@@ -12,7 +12,7 @@ Examples:
   dsslam eval places town --selection trad --every 2 --out /tmp/places
 
 Selections: trad (highest response), seman (the same off what may move), ours (highest activation).
-weights.words=false (--set) makes all words count alike; by default they count as far as their features are trusted.
+By default, words are weighted by activation; --set weights.words=false weights all words equally.
 Files: areas.csv (a row per selection), places.csv (a row per query), curves.csv, precision_recall.png and .svg.";
 
 /// Arguments of `dsslam eval places`.
@@ -21,10 +21,10 @@ pub(crate) struct PlacesArgs {
     /// Folder of the sequence.
     #[arg(value_name = "SEQUENCE")]
     pub(super) sequence: PathBuf,
-    /// Poses of all frames (KITTI, TUM or EuRoC), by default those of the sequence.
+    /// Poses of all frames (KITTI, TUM or EuRoC) [default: those of the sequence].
     #[arg(long, value_name = "FILE")]
     pub(super) ground_truth: Option<PathBuf>,
-    /// Selections to compare; by default all three. May be given several times.
+    /// Selections to compare [default: all three]; may be repeated.
     #[arg(long, value_enum, value_name = "WHICH")]
     selection: Vec<Selection>,
     /// Folder for tables and figure.
@@ -33,39 +33,39 @@ pub(crate) struct PlacesArgs {
     /// Features kept per image.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(20..=100_000))]
     pub(super) keep: u32,
-    /// Spreads the features kept over the image, as in a run; without it the best ones are kept wherever they are, as the
-    /// paper does.
+    /// Spreads the kept features over the image, as a run does; the default keeps the best ones wherever they are, as
+    /// in the paper.
     #[arg(long)]
     pub(super) cells: bool,
-    /// Takes only every so many frames.
+    /// Uses only every N-th frame.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) every: u32,
-    /// Smallest number of frames of the sequence between query and answer.
+    /// Minimum number of frames between query and answer.
     #[arg(long, value_name = "FRAMES", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) gap: u32,
-    /// Largest distance of two frames at the same place, meters.
+    /// Maximum distance between two frames of the same place, meters.
     #[arg(long, value_name = "M", default_value_t = 4.0)]
     pub(super) radius: f64,
-    /// Largest angle between their viewing directions, degrees; 180 accepts opposite directions.
+    /// Maximum angle between their viewing directions, degrees; 180 accepts opposite directions.
     #[arg(long, value_name = "DEG", default_value_t = 45.0)]
     pub(super) max_angle: f64,
     /// Dense learned features instead of ORB: XFeat as ONNX.
     #[arg(long, value_name = "FILE")]
     pub(super) features_model: Option<PathBuf>,
-    /// Vocabulary for ORB, by default the one that is part of the program.
+    /// Vocabulary for ORB [default: built in].
     #[arg(long, value_name = "FILE")]
     pub(super) vocab: Option<PathBuf>,
-    /// Configuration file (YAML); what it leaves out has its default.
+    /// Configuration file (YAML); keys that it omits have their defaults.
     #[arg(long, value_name = "FILE")]
     pub(super) config: Option<PathBuf>,
-    /// Overrides one key of the configuration; may be given several times.
+    /// Overrides one key of the configuration; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) overrides: Vec<String>,
-    /// Network (ONNX) of `ours` instead of the one that is part of the program: grey image in, activation map out.
+    /// Network (ONNX) of `ours` instead of the built-in one: gray image in, activation map out.
     #[arg(long, value_name = "FILE", help_heading = "Network")]
     pub(super) dsfeat_model: Option<PathBuf>,
-    /// ONNX Runtime's library; by default that of ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
-    /// ~/.local/share/dsslam or in the system's folders.
+    /// ONNX Runtime's library [default: ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
+    /// ~/.local/share/dsslam or in the system folders].
     #[arg(long, value_name = "FILE", help_heading = "Network")]
     pub(super) onnxruntime: Option<PathBuf>,
 }

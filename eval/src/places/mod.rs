@@ -33,7 +33,7 @@ pub(crate) use args::{HELP, PlacesArgs};
 pub struct Settings {
     /// The section `features`.
     pub features: ExtractorConfig,
-    /// `weights.words`: whether words count as far as their features are trusted.
+    /// `weights.words`: whether words are weighted by activation.
     pub weighs_words: bool,
 }
 
@@ -41,9 +41,9 @@ pub struct Settings {
 pub struct Host<'a> {
     /// Reads a configuration: a file (else the defaults), and what is overridden in it, `key=value`.
     pub settings: &'a dyn Fn(Option<&Path>, &[String]) -> Result<Settings>,
-    /// Opens a network: the file of a model, else the model that is part of the program; ONNX Runtime's library; threads.
+    /// Opens a network: the file of a model, else the built-in model; ONNX Runtime's library; threads.
     pub network: &'a dyn Fn(Model, Option<&Path>, Option<&Path>, usize) -> Result<Network>,
-    /// Opens a vocabulary: a file, else the one that is part of the program.
+    /// Opens a vocabulary: a file, else the built-in one.
     pub vocabulary: &'a dyn Fn(Option<&Path>) -> Result<Arc<Vocabulary>>,
     /// Hears how many frames are done, and of how many.
     pub progress: &'a dyn Fn(usize, usize),

@@ -163,7 +163,7 @@ fn sparse(
     })
 }
 
-/// Full trust in all of an image.
+/// Full activation over the whole image.
 fn everywhere(image: &GrayImage) -> Result<ActivationMap> {
     ActivationMap::new(Raster::new(1, 1, 1.0), image.width, image.height).context("the image is empty")
 }

@@ -171,7 +171,7 @@ pub(crate) fn header_height(width: f64, names: &[&str]) -> f64 {
     44.0 + LEGEND_ROW * rows
 }
 
-/// A labelled position on an axis.
+/// A labeled position on an axis.
 struct Tick {
     value: f64,
     label: String,

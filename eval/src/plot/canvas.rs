@@ -23,7 +23,7 @@ const SHRINK: u32 = 2;
 pub(crate) const INK: RGBColor = RGBColor(60, 60, 60);
 /// Grid lines.
 pub(crate) const FAINT: RGBColor = RGBColor(225, 225, 225);
-/// Distinguishable with every common color-vision deficiency (Okabe and Ito 2008, and a grey), in order of use.
+/// Distinguishable with every common color-vision deficiency (Okabe and Ito 2008, and a gray), in order of use.
 pub(crate) const PALETTE: [RGBColor; 9] = [
     RGBColor(213, 94, 0),
     RGBColor(0, 114, 178),
@@ -36,7 +36,7 @@ pub(crate) const PALETTE: [RGBColor; 9] = [
     RGBColor(150, 150, 150),
 ];
 
-/// Colour number `i` of the palette, repeating from the start.
+/// Color number `i` of the palette, repeating from the start.
 pub(crate) fn color(i: usize) -> RGBColor {
     PALETTE[i % PALETTE.len()]
 }

@@ -38,7 +38,7 @@ impl Figure for DriftFigure {
         B::ErrorType: 'static,
     {
         let bins = || self.curves.iter().flat_map(|c| c.1.iter());
-        ensure!(bins().next().is_some(), "no segments: there is no drift to draw");
+        ensure!(bins().next().is_some(), "no segments: no drift to draw");
         let names: Vec<&str> = self.curves.iter().map(|c| c.0.as_str()).collect();
         let keys: Vec<Key<'_>> =
             names.iter().enumerate().map(|(i, text)| Key { text, color: color(i), width: 2.5 }).collect();

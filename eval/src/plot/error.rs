@@ -7,7 +7,7 @@ use plotters::prelude::DrawingBackend;
 use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
 use super::canvas::{Canvas, Figure, INK, PALETTE};
 
-/// Position error of each frame over the true path travelled.
+/// Position error of each frame over the true path traveled.
 #[derive(Clone, Debug)]
 pub struct ErrorFigure {
     title: String,
@@ -18,11 +18,11 @@ pub struct ErrorFigure {
 impl ErrorFigure {
     /// Error of aligned positions `estimate` against `ground_truth`, meters, element by element.
     pub fn new(title: &str, estimate: &[Option<Vec3>], ground_truth: &[Vec3]) -> ErrorFigure {
-        let mut travelled = 0.0;
+        let mut traveled = 0.0;
         let mut points = Vec::with_capacity(ground_truth.len());
         for (i, (est, gt)) in estimate.iter().zip(ground_truth).enumerate() {
-            travelled += if i > 0 { (gt - ground_truth[i - 1]).norm() } else { 0.0 };
-            points.push((travelled, est.map(|e| (e - gt).norm())));
+            traveled += if i > 0 { (gt - ground_truth[i - 1]).norm() } else { 0.0 };
+            points.push((traveled, est.map(|e| (e - gt).norm())));
         }
         ErrorFigure { title: title.to_owned(), points }
     }
@@ -38,7 +38,7 @@ impl Figure for ErrorFigure {
         B::ErrorType: 'static,
     {
         let errors: Vec<f64> = self.points.iter().filter_map(|p| p.1).collect();
-        ensure!(!errors.is_empty(), "no frame has a pose: there is no error to draw");
+        ensure!(!errors.is_empty(), "no frame has a pose: no error to draw");
         let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
         let (width, height) = (800.0, 420.0);
         let rmse_name = format!("RMSE {rmse:.3} m");
@@ -58,7 +58,7 @@ impl Figure for ErrorFigure {
             x: range(self.points.iter().map(|p| p.0), Margin::Tight),
             y: range(errors.iter().copied(), Margin::FromZero),
         };
-        axes.draw(canvas, "path travelled [m]", "position error [m]")?;
+        axes.draw(canvas, "path traveled [m]", "position error [m]")?;
         canvas.line(&[axes.at(axes.x.0, rmse), axes.at(axes.x.1, rmse)], INK, 1.5)?;
         for run in self.points.split(|p| p.1.is_none()) {
             let pixels: Vec<(f64, f64)> = run.iter().filter_map(|&(x, y)| Some(axes.at(x, y?))).collect();

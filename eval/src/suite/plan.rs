@@ -135,7 +135,7 @@ impl Plan {
         for length in &self.lengths_m {
             ensure!(
                 length.is_finite() && *length > 0.0,
-                "lengths_m: found {length}, expected positive metres"
+                "lengths_m: found {length}, expected positive meters"
             );
         }
         for configuration in &self.configurations {
@@ -157,9 +157,9 @@ fn check_names<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         ensure!(
             !name.is_empty() && name.chars().all(is_plain) && !name.starts_with('.'),
-            "{what}: the name '{name}' may hold letters, digits, '-', '_' and '.' only"
+            "{what}: the name '{name}' may only contain letters, digits, '-', '_' and '.'"
         );
-        ensure!(!seen.contains(&name), "{what}: the name '{name}' stands twice");
+        ensure!(!seen.contains(&name), "{what}: the name '{name}' occurs twice");
         seen.push(name);
     }
     Ok(())
@@ -243,11 +243,11 @@ mod tests {
         let rest = "configurations: [{name: x}]\n";
         assert_eq!(message(&format!("name: a\nsequences: []\n{rest}")), "sequences: the list is empty");
         let twice = format!("name: a\nsequences: [{{name: s, path: .}}, {{name: s, path: .}}]\n{rest}");
-        assert_eq!(message(&twice), "sequences: the name 's' stands twice");
+        assert_eq!(message(&twice), "sequences: the name 's' occurs twice");
         let slash = format!("name: a\nsequences: [{{name: ../s, path: .}}]\n{rest}");
         assert_eq!(
             message(&slash),
-            "sequences: the name '../s' may hold letters, digits, '-', '_' and '.' only"
+            "sequences: the name '../s' may only contain letters, digits, '-', '_' and '.'"
         );
         let unset = format!("name: a\nsequences: [{{name: s, path: '${{NOPE}}/s'}}]\n{rest}");
         assert_eq!(message(&unset), "sequence s: '${NOPE}/s': the variable NOPE is not set");

@@ -81,7 +81,7 @@ impl Results {
     pub fn read(folder: &Path) -> Result<Results> {
         let plan_file = folder.join("suite.json");
         let plan: Plan = read_json(&plan_file)
-            .with_context(|| format!("{} is no results folder of 'dsslam eval run'", folder.display()))?;
+            .with_context(|| format!("{} is not a results folder of 'dsslam eval run'", folder.display()))?;
         let runs: Result<Vec<RunResult>> = plan.runs().into_iter().map(|id| read_run(folder, id)).collect();
         Ok(Results { folder: folder.to_owned(), runs: runs?, plan })
     }

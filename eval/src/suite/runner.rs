@@ -27,9 +27,9 @@ pub struct RunOptions {
     pub program: PathBuf,
     /// Results folder.
     pub results: PathBuf,
-    /// Runs at the same time.
+    /// Number of parallel runs.
     pub jobs: usize,
-    /// Runs again what failed before.
+    /// Repeats runs that failed.
     pub retry_failed: bool,
     /// Only the runs whose name (`sequence/configuration/repeat`) begins with this.
     pub only: Option<String>,
@@ -49,7 +49,7 @@ pub enum Event<'a> {
 /// Runs what has not ended yet; returns the records of all runs in the order of the plan.
 ///
 /// # Errors
-/// The results folder cannot be written, or `only` names no run. A run that fails is no error: its record says why.
+/// The results folder cannot be written, or `only` does not name a run. A run that fails is not an error: its record says why.
 pub fn run_suite(
     plan: &Plan,
     options: &RunOptions,
@@ -57,7 +57,7 @@ pub fn run_suite(
 ) -> Result<Vec<RunRecord>> {
     let runs = selected(plan, options.only.as_deref())?;
     std::fs::create_dir_all(&options.results)
-        .with_context(|| format!("cannot make {}", options.results.display()))?;
+        .with_context(|| format!("cannot create {}", options.results.display()))?;
     write_json(&options.results.join("suite.json"), plan)?;
     let next = AtomicUsize::new(0);
     let ended: Mutex<Vec<(usize, Result<RunRecord>)>> = Mutex::new(Vec::new());
@@ -118,7 +118,7 @@ fn selected(plan: &Plan, only: Option<&str>) -> Result<Vec<RunId>> {
     let chosen: Vec<RunId> = runs.into_iter().filter(|id| format!("{id}/").starts_with(&prefix)).collect();
     anyhow::ensure!(
         !chosen.is_empty(),
-        "'{only}' names no run of the suite {}; runs are <sequence>/<configuration>/<repeat>",
+        "'{only}' is not a run of the suite {}; runs are <sequence>/<configuration>/<repeat>",
         plan.name
     );
     Ok(chosen)
@@ -141,7 +141,7 @@ fn run_once(
         }
     }
     observer(Event::Started(id));
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
     for stale in ["run.json", "summary.json", "evaluation.json"] {
         let _ = std::fs::remove_file(folder.join(stale));
     }

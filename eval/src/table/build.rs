@@ -58,7 +58,7 @@ pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -
     })
 }
 
-/// Baselines of the suite's data set and of a sensor that the suite uses, with a value for one of its sequences.
+/// Baselines of the suite's dataset and of a sensor that the suite uses, with a value for one of its sequences.
 pub fn baselines_for<'a>(results: &Results, baselines: &'a [Baseline], metric: Metric) -> Vec<&'a Baseline> {
     let plan = &results.plan;
     let fits_sensor = |b: &Baseline| {

@@ -21,7 +21,7 @@ fn different_lengths() {
     assert_eq!(
         associate(&est, &gt, Association::Index).unwrap_err().to_string(),
         "different lengths: the estimate has 250 poses, the ground truth 300; matching by index needs one pose per frame \
-         (fill lost frames, or put the frame number in front of the 12 values)"
+         (fill lost frames, or prefix each row with its frame number)"
     );
     let (est, gt) = (vec![SE3::identity(); 3], vec![SE3::identity(); 4]);
     let expected =
@@ -82,7 +82,7 @@ fn positions_that_determine_no_alignment() {
     let still = vec![at(1.0); 5];
     assert_eq!(
         ate(&still, &still, Alignment::Se3).unwrap_err().to_string(),
-        "alignment SE3 is not determined: the 5 positions lie on one line or in one place"
+        "alignment SE3 is not determined: the 5 positions lie on a line or at a single point"
     );
     assert_eq!(
         ate(&still[..2], &still[..2], Alignment::Sim3).unwrap_err().to_string(),

@@ -99,7 +99,7 @@ fn messages_name_the_files() {
     let plain = text(folder.path());
     assert!(
         message(&["table", &plain])
-            .starts_with(&format!("{plain} is no results folder of 'dsslam eval run'"))
+            .starts_with(&format!("{plain} is not a results folder of 'dsslam eval run'"))
     );
     assert!(message(&["run", &text(&folder.path().join("none.yaml"))]).starts_with("cannot read "));
 }

@@ -95,7 +95,7 @@ proptest! {
     }
 
     #[test]
-    fn drift_of_a_constant_error_per_metre_is_that_error(gain in 0.9..1.1, n in 300usize..400) {
+    fn drift_of_a_constant_error_per_meter_is_that_error(gain in 0.9..1.1, n in 300usize..400) {
         let straight = |step: f64| -> Vec<SE3> { (0..n).map(|i| SE3::exp(&Vec6::new(0.0, 0.0, step * i as f64, 0.0, 0.0, 0.0))).collect() };
         let drift = kitti_drift(&straight(gain), &straight(1.0), &KITTI_LENGTHS_M).unwrap();
         // Segments end up to one frame (a meter) beyond their nominal length of at least 100 m.

@@ -230,7 +230,7 @@ fn each_run_has_its_command_for_other_engines() {
     assert_eq!((lines.len(), &lines[0]), (4, &expected));
     let none = RunOptions { only: Some("0".to_owned()), ..site.options() };
     let message = job_lines(&site.plan(), Path::new("s"), Path::new("p"), &none).unwrap_err().to_string();
-    assert_eq!(message, "'0' names no run of the suite small; runs are <sequence>/<configuration>/<repeat>");
+    assert_eq!(message, "'0' is not a run of the suite small; runs are <sequence>/<configuration>/<repeat>");
 }
 
 #[test]
@@ -331,5 +331,5 @@ fn the_report_stands_alone() {
 fn a_folder_without_results_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let message = format!("{:#}", Results::read(folder.path()).unwrap_err());
-    assert!(message.contains("is no results folder of 'dsslam eval run'"), "{message}");
+    assert!(message.contains("is not a results folder of 'dsslam eval run'"), "{message}");
 }

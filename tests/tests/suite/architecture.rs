@@ -93,7 +93,7 @@ fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-fn all_rust_files() -> Vec<PathBuf> {
+pub(crate) fn all_rust_files() -> Vec<PathBuf> {
     let mut found = Vec::new();
     for krate in crates() {
         rust_files(&root().join(krate), &mut found);

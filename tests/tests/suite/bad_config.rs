@@ -28,7 +28,7 @@ fn broken_yaml_is_refused_with_its_place() {
     let call = copy.run(&["--config", &file]);
     assert_eq!(call.code, 2, "{call}");
     let place = call.stderr.lines().find(|line| line.starts_with(&format!("error: {file}:")));
-    assert!(place.is_some_and(|line| line.contains(": broken YAML: ")), "{call}");
+    assert!(place.is_some_and(|line| line.contains(": invalid YAML: ")), "{call}");
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn all_problems_of_a_configuration_are_reported_at_once() {
     copy.write("bad.yaml", "features:\n  keep: many\n  lewels: 8\n");
     let file = copy.file("bad.yaml");
     let call = copy.run(&["--config", &file, "--set", "seed=-1"]);
-    call.expect(2, "--set seed=-1: seed: found -1, expected a whole number from 0 on");
+    call.expect(2, "--set seed=-1: seed: found -1, expected a whole number, at least 0");
     for part in [
         format!("{file}:2:9: features.keep: found \"many\", expected a whole number from 50 to 100000"),
         format!("{file}:3:11: features.lewels: unknown key, did you mean features.levels?"),

@@ -18,7 +18,7 @@ fn stamp(i: u64) -> u64 {
     1_403_636_579_763_555_584 + i * 50_000_000
 }
 
-/// A camera `x_m` metres along x of the body.
+/// A camera `x_m` meters along x of the body.
 fn sensor_yaml(x_m: f64) -> String {
     format!(
         "T_BS:\n  data: [1.0, 0.0, 0.0, {x_m}, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]\n\
@@ -30,7 +30,7 @@ fn sensor_yaml(x_m: f64) -> String {
     )
 }
 
-/// A stereo sequence of grey images, too plain to start a map from.
+/// A stereo sequence of gray images, too plain to start a map from.
 struct Folder {
     folder: TempDir,
 }

@@ -10,7 +10,7 @@ use crate::sequence::Copy;
 /// Frames of each run.
 const N: usize = 8;
 
-/// A grey PNG of one brightness.
+/// A gray PNG of one brightness.
 fn flat_png(width: u32, height: u32, brightness: u8) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     let image = GrayImage::from_pixel(width, height, image::Luma([brightness]));
@@ -127,7 +127,7 @@ fn nothing_but_text_files_is_refused() {
     }
     let first = copy.file("image_0/000000.png");
     let expected = format!(
-        "error: no image of the sequence can be read: {first}: not an image: begins with the text \"text\", \
+        "error: none of the sequence's images can be read: {first}: not an image: begins with the text \"text\", \
          expected PNG or JPEG"
     );
     copy.run(&[]).expect(2, &expected);

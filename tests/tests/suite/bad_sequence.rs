@@ -3,7 +3,7 @@
 use crate::program::{dsslam, text};
 use crate::sequence::Copy;
 
-/// Line of `calib.txt` with the left grey camera's projection matrix.
+/// Line of `calib.txt` with the left gray camera's projection matrix.
 const P0: usize = 0;
 
 /// The numbers of the left camera with one of them replaced.
@@ -118,7 +118,7 @@ fn times_must_increase() {
     refused(
         &copy,
         &format!(
-            "{times}:3: found time 0.1 after 0.2 of the entry before, expected strictly increasing times"
+            "{times}:3: found time 0.1 after 0.2 of the previous entry, expected strictly increasing times"
         ),
     );
 }

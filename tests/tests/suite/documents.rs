@@ -9,7 +9,7 @@ use crate::root;
 const MAX_README_WORDS: usize = 1200;
 
 /// Markdown files that a reader may open, relative to the root.
-fn documents() -> Vec<PathBuf> {
+pub(crate) fn documents() -> Vec<PathBuf> {
     let mut found = Vec::new();
     for folder in ["", "docs", "eval", "vocab", "crates/dsfeat/models", "crates/dsfeat/training"] {
         for entry in fs::read_dir(root().join(folder)).unwrap() {

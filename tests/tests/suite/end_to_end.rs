@@ -136,9 +136,9 @@ fn an_interrupted_run_writes_what_there_is() {
         assert!(child.try_wait().unwrap().is_none(), "ended before it began");
         std::thread::sleep(Duration::from_millis(2));
     }
-    let signalled =
+    let signaled =
         std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(signalled.success());
+    assert!(signaled.success());
     let call = ended(child.wait_with_output().unwrap());
     assert_eq!(call.code, 130, "{call}");
     let s = summary(&out);

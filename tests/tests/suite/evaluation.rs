@@ -106,10 +106,10 @@ fn suites_compare_the_body_of_euroc_with_the_body() {
 
 #[test]
 fn suites_compare_the_color_camera_of_kitti_with_itself() {
-    // The rendered camera as the left color camera, two metres to the left of camera 0, whose poses the file holds.
+    // The rendered camera as the left color camera, two meters to the left of camera 0, whose poses the file holds.
     let copy = Copy::of_first(16);
-    for (grey, color) in [("image_0", "image_2"), ("image_1", "image_3")] {
-        fs::rename(copy.path().join(grey), copy.path().join(color)).unwrap();
+    for (gray, color) in [("image_0", "image_2"), ("image_1", "image_3")] {
+        fs::rename(copy.path().join(gray), copy.path().join(color)).unwrap();
     }
     let calibration = fs::read_to_string(copy.path().join("calib.txt")).unwrap();
     let row = |camera: &str| -> Vec<f64> {

@@ -61,7 +61,7 @@ fn records(bytes: &Bytes) -> Vec<Record> {
     records
 }
 
-/// Largest distance of a frame's place in the scene from that in the results, metres.
+/// Largest distance of a frame's place in the scene from that in the results, meters.
 fn largest_gap(scene: &Scene, outcome: &RunOutcome) -> f64 {
     let gap = |frame: &runtime::FrameRecord| {
         let shown = scene.frame(frame.index).unwrap().world_from_cam;

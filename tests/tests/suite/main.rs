@@ -8,6 +8,7 @@ mod bad_images;
 mod bad_sequence;
 mod documents;
 mod end_to_end;
+mod english;
 mod evaluation;
 mod event_stream;
 mod map_file;

@@ -10,9 +10,9 @@ pub(crate) fn real(name: &str) -> Option<PathBuf> {
     let path = std::env::var_os("DSSLAM_DATA").map(|data| PathBuf::from(data).join(name));
     match path {
         Some(path) if path.is_dir() => Some(path),
-        Some(path) => panic!("DSSLAM_DATA is set, but {} is not there", path.display()),
+        Some(path) => panic!("DSSLAM_DATA is set, but {} does not exist", path.display()),
         None => {
-            println!("skipped: DSSLAM_DATA is not set, so {name} is not there");
+            println!("skipped: DSSLAM_DATA is not set, so {name} is not available");
             None
         }
     }

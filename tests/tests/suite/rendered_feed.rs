@@ -40,11 +40,11 @@ impl RenderedFeed {
         self.order.len()
     }
 
-    /// A setup for it, with small frames, loops and the vocabulary that is part of the program.
+    /// A setup for it, with small frames, loops and the built-in vocabulary.
     pub(crate) fn setup(&self) -> Setup {
         let StereoRig { camera, baseline_m } = TOWN.0.rig();
         let (width, height) = TOWN.0.image_size();
-        // The centre of the new pixel 0 lies between the old pixels 0 and 1.
+        // The center of the new pixel 0 lies between the old pixels 0 and 1.
         let half = |c: f64| (c - 0.5) / 2.0;
         let camera =
             Pinhole { fx: camera.fx / 2.0, fy: camera.fy / 2.0, cx: half(camera.cx), cy: half(camera.cy) };

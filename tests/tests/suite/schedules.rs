@@ -135,7 +135,10 @@ fn a_journal_of_something_else_is_refused() {
     // Frames from elsewhere: there, other frames asked for keyframes.
     let elsewhere = RenderedFeed::new((300..332).chain(8..62));
     let error = refused(&elsewhere, &setup).to_string();
-    assert!(error.starts_with("the file does not fit these frames: "), "{error}");
+    assert!(
+        error.starts_with("the journal cannot be replayed: the journal does not match these frames: "),
+        "{error}"
+    );
 }
 
 #[test]
@@ -167,12 +170,12 @@ fn check_failure(feed: &RenderedFeed, schedule: Schedule, stage: &'static str, s
 }
 
 #[test]
-fn a_map_is_gone_on_with_and_in_localisation_left_alone() {
+fn a_map_is_gone_on_with_and_in_localization_left_alone() {
     let first = done(&RenderedFeed::new(0..30), &setup(Schedule::Lockstep));
     let again = RenderedFeed::new(10..40);
     let mut further = Setup { start: Some(first.map.clone()), ..setup(Schedule::Lockstep) };
     let outcome = done(&again, &further);
-    assert_eq!(outcome.statistics.relocalisations, 1, "{:?}", outcome.frames[0]);
+    assert_eq!(outcome.statistics.relocalizations, 1, "{:?}", outcome.frames[0]);
     assert!(outcome.map.n_keyframes() > first.map.n_keyframes());
     assert_eq!(outcome.map.roots(), first.map.roots(), "no new sub-map");
     further.slam.tracking.localize_only = true;

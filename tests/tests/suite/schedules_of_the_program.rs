@@ -90,19 +90,19 @@ fn a_live_run_is_replayed_from_its_journal() {
 
     fs::write(&journal, "{}").unwrap();
     let copy = Copy::of_first(3);
-    let line = format!("error: {}: is no journal: it has no version", journal.display());
+    let line = format!("error: {}: not a journal: the version is missing", journal.display());
     copy.run(&["--replay", text(&journal)]).expect(2, &line);
 }
 
 #[test]
-fn a_map_of_the_first_half_localises_the_second() {
+fn a_map_of_the_first_half_localizes_the_second() {
     let folder = tempfile::tempdir().unwrap();
     let [first, second] = ["first", "second"].map(|name| folder.path().join(name));
     let half = run(rendered(), &first, 2, &["--max-frames", "25"]);
     let map = first.join("map.dsmap");
     let found = run(rendered(), &second, 2, &["--load-map", text(&map), "--localize"]);
     assert_eq!(found["keyframes"], half["keyframes"], "nothing is inserted");
-    assert!(found["relocalisations"].as_u64() >= Some(1), "{found:#}");
+    assert!(found["relocalizations"].as_u64() >= Some(1), "{found:#}");
     assert!(found["tracked"].as_u64() >= Some(25), "{found:#}");
     assert!(found["ate_rmse_m"].as_f64().unwrap() < 0.2, "{found:#}");
 }

@@ -93,7 +93,7 @@ fn the_picture_shows_image_map_and_features() {
 }
 
 #[test]
-fn places_seen_twice_are_recognised() {
+fn places_seen_twice_are_recognized() {
     const N: usize = 12;
     let copy = Copy::of_first(2 * N);
     for camera in ["image_0", "image_1"] {
@@ -105,7 +105,7 @@ fn places_seen_twice_are_recognised() {
         }
     }
     let poses = fs::read_to_string(copy.path().join("poses.txt")).unwrap();
-    // The second visit sees each place from a step farther on: two equal images would tell of no motion.
+    // The second visit sees each place from a step farther on: two equal images would show no motion.
     let visits = [0, 1].map(|step| poses.lines().skip(step).take(N).collect::<Vec<_>>().join("\n"));
     copy.write("poses.txt", visits.join("\n") + "\n");
     let out = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
 //! The program with every sensor on rendered drives: raw cameras with lenses, one camera, depth images; reduced and masked
-//! images; localisation only.
+//! images; localization only.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -102,7 +102,7 @@ fn a_mask_keeps_features_out_and_must_have_the_size_of_the_images() {
 
     let line = |found: &str| {
         format!(
-            "error: input.mask (--set {set}): {}: found {found} pixels, expected 1241x376 as the images have",
+            "error: input.mask (--set {set}): {}: found {found} pixels, expected 1241x376, the size of the images",
             file.display()
         )
     };
@@ -156,7 +156,7 @@ const CAMERA: [&str; 6] = [
 ];
 
 #[test]
-fn every_sensor_localises_in_its_map() {
+fn every_sensor_localizes_in_its_map() {
     let depth = depth_folder();
     let camera: Vec<&str> = CAMERA.iter().flat_map(|setting| ["--set", *setting]).collect();
     for (sequence, n_first, args) in [
@@ -170,7 +170,7 @@ fn every_sensor_localises_in_its_map() {
             run(sequence, &[&args[..], &["--max-frames", n_first, "--save-map", text(&map)]].concat());
         let found = run(sequence, &[&args[..], &["--load-map", text(&map), "--localize"]].concat());
         assert_eq!(found["keyframes"], first["keyframes"], "nothing is inserted: {found:#}");
-        assert!(found["relocalisations"].as_u64() >= Some(1), "{found:#}");
+        assert!(found["relocalizations"].as_u64() >= Some(1), "{found:#}");
         let tracked = |s: &Value| s["tracked"].as_u64().unwrap();
         assert!(tracked(&found) + 1 >= tracked(&first), "{} of {}", tracked(&found), tracked(&first));
         assert_eq!(found["sensor"], first["sensor"]);

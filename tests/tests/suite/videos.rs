@@ -93,7 +93,7 @@ fn a_video_that_ends_in_the_middle_of_a_frame_is_used_up_to_there() {
     let video = videos.video("cut.y4m", 6, &["image_0", "image_1"], 1000);
     let call = videos.run(&video, "stereo.yaml", &[]);
     let line = format!(
-        "{}: ends in the middle of frame 5: found {} of {FRAME} bytes; the 5 frames before it were used",
+        "{}: ends in the middle of frame 5: found {} of {FRAME} bytes; only the 5 frames before it are used",
         video.display(),
         FRAME - 1000
     );

@@ -33,7 +33,7 @@ pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub(crate) command: Command,
-    /// How much is said.
+    /// Verbosity.
     #[command(flatten)]
     pub(crate) voice: Voice,
 }
@@ -50,7 +50,7 @@ pub(crate) enum Command {
     /// Renders a street course with exact ground truth as a dataset in KITTI's or EuRoC's layout.
     #[command(after_help = help::synth())]
     Synth(SynthArgs),
-    /// Shows a finished run in the Rerun viewer: trajectory, ground truth, errors, times; with events.dslog everything.
+    /// Shows a finished run in the Rerun viewer: trajectory, ground truth, errors, times; everything if events.dslog was written.
     #[command(after_help = help::view())]
     View(ViewArgs),
     /// Evaluates trajectories and place recognition against ground truth, as tables and plots.
@@ -59,13 +59,13 @@ pub(crate) enum Command {
     /// Prints the default configuration, or checks and explains one.
     #[command(after_help = help::config())]
     Config(ConfigArgs),
-    /// Writes a map for other programs: points, models for COLMAP and nerfstudio, trajectories of the keyframes.
+    /// Converts a map for other programs: point clouds, COLMAP and nerfstudio models, keyframe trajectories.
     #[command(after_help = help::export())]
     Export(ExportArgs),
     /// Looks at single stages: features, matches, disparities, activation; trains and converts vocabularies.
     #[command(after_help = help::inspect())]
     Inspect(InspectArgs),
-    /// Says what is on this machine, what is missing, and how to get it.
+    /// Lists what this machine has, what it lacks, and how to install it.
     #[command(after_help = help::doctor())]
     Doctor(DoctorArgs),
     /// Prints completions and manual pages.
@@ -86,6 +86,6 @@ pub(crate) struct ConfigArgs {
 pub(crate) enum ConfigAction {
     /// Prints the default configuration as YAML: the keys of everyday use.
     Default(DefaultArgs),
-    /// Checks a configuration and explains every value in force: where it comes from, what it means, what it may be.
+    /// Checks a configuration and explains every value in force: its origin, meaning and range.
     Check(CheckArgs),
 }

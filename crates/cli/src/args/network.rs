@@ -37,7 +37,7 @@ pub(crate) struct ActivationArgs {
     /// The picture to write, PNG.
     #[arg(short = 'o', long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// Most features that are kept.
+    /// Maximum number of features kept.
     #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) keep: u32,
     /// The configuration.

@@ -14,16 +14,16 @@ pub(crate) struct DemoArgs {
     /// The course to render.
     #[command(flatten)]
     pub(crate) world: WorldArgs,
-    /// Overrides one key of the configuration; may be given several times.
+    /// Overrides one key of the configuration; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) overrides: Vec<String>,
     /// Writes the results into this folder instead of results/PRESET/TIME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Who watches the run.
+    /// Visualization.
     #[command(flatten)]
     pub(crate) show: ShowArgs,
-    /// Prints the content of summary.json, and nothing else, on standard output.
+    /// Prints summary.json and nothing else on standard output.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -46,7 +46,7 @@ pub(crate) struct SynthArgs {
     /// Also writes masks/: what is moving, parked, sky or still in each pixel of the left image.
     #[arg(long)]
     pub(crate) masks: bool,
-    /// Also writes depth/: 16-bit depth of the left image, 256 per metre.
+    /// Also writes depth/: 16-bit depth of the left image, 256 per meter.
     #[arg(long)]
     pub(crate) depth: bool,
 }

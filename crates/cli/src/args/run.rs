@@ -11,7 +11,7 @@ use super::{NetworkArgs, SettingsArgs, ShowArgs};
 /// Arguments of `dsslam run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Folder of the sequence: KITTI odometry, TUM RGB-D, EuRoC, or images with a calibration file; or a video, or a camera such as
+    /// Folder of the sequence (KITTI odometry, TUM RGB-D, EuRoC, or images with a calibration file), a video, or a camera such as
     /// /dev/video0.
     #[arg(value_name = "SEQUENCE")]
     pub(crate) sequence: PathBuf,
@@ -21,13 +21,13 @@ pub(crate) struct RunArgs {
     /// Calibration file of the cameras, for images and videos: DSSLAM's YAML, EuRoC's sensor.yaml, BoofCV's XML.
     #[arg(long, value_name = "FILE")]
     pub(crate) calib: Option<PathBuf>,
-    /// How to use the images; by default what the folder holds.
+    /// How to use the images [default: the richest sensor that the folder offers].
     #[arg(long, value_parser = sensor_parser())]
     pub(crate) sensor: Option<Sensor>,
     /// Writes the results into this folder instead of results/SEQUENCE/TIME.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Prints the content of summary.json, and nothing else, on standard output.
+    /// Prints summary.json and nothing else on standard output.
     #[arg(long)]
     pub(crate) json: bool,
     /// Stops after this many frames.
@@ -37,22 +37,22 @@ pub(crate) struct RunArgs {
     /// IMU).
     #[arg(long, value_name = "FILE", help_heading = "Evaluation")]
     pub(crate) ground_truth: Option<PathBuf>,
-    /// Segment lengths of t_rel and r_rel, metres.
+    /// Segment lengths of t_rel and r_rel, meters.
     #[arg(long, value_name = "M,M,...", value_delimiter = ',', default_values_t = eval::KITTI_LENGTHS_M, help_heading = "Evaluation")]
     pub(crate) lengths: Vec<f64>,
-    /// How the stages of the run share time; by default lockstep, of a camera live.
+    /// How the stages of the run are scheduled [default: lockstep; live for cameras].
     #[arg(long, value_enum, help_heading = "Schedule")]
     pub(crate) schedule: Option<ScheduleArg>,
-    /// With --schedule live: frames come at the pace of their timestamps, and are skipped while tracking is behind.
+    /// With --schedule live: feeds frames at the pace of their timestamps and skips them while tracking is behind.
     #[arg(long, help_heading = "Schedule")]
     pub(crate) realtime: bool,
-    /// Writes what happened in which order, so that --replay does the run again, bit for bit.
+    /// Records the order of events, so that --replay can repeat the run bit for bit.
     #[arg(long, value_name = "FILE", help_heading = "Schedule")]
     pub(crate) journal: Option<PathBuf>,
-    /// Does the run of a journal again; sequence, configuration, vocabulary and start map must be those of that run.
+    /// Replays a recorded run (--journal) bit for bit; sequence, configuration, vocabulary and start map must be the same.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["schedule", "realtime", "journal"], help_heading = "Schedule")]
     pub(crate) replay: Option<PathBuf>,
-    /// Does not look for places seen before: the same as --set loops.enabled=false.
+    /// Disables loop closing: the same as --set loops.enabled=false.
     #[arg(long, help_heading = "Places and maps")]
     pub(crate) no_loops: bool,
     /// The network that selects features.
@@ -61,25 +61,24 @@ pub(crate) struct RunArgs {
     /// Test aid: seed of random pauses of all stages, on which no result may depend.
     #[arg(long, value_name = "SEED", hide = true)]
     pub(crate) delays: Option<u64>,
-    /// Vocabulary to recognise places with, in DSSLAM's or ORB-SLAM2's format; by default the one that is part of the
-    /// program.
+    /// Vocabulary for place recognition, in DSSLAM's or ORB-SLAM2's format [default: built in].
     #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
     pub(crate) vocab: Option<PathBuf>,
-    /// Writes the map at the end of the run.
+    /// Saves the map at the end of the run.
     #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
     pub(crate) save_map: Option<PathBuf>,
-    /// Goes on with the map of a file.
+    /// Resumes from a saved map.
     #[arg(long, value_name = "FILE", help_heading = "Places and maps")]
     pub(crate) load_map: Option<PathBuf>,
-    /// With --load-map: only finds the camera in the map and inserts nothing.
+    /// With --load-map: only localizes the camera in the map and adds nothing to it.
     #[arg(long, requires = "load_map", help_heading = "Places and maps")]
     pub(crate) localize: bool,
-    /// Who watches the run.
+    /// Visualization.
     #[command(flatten)]
     pub(crate) show: ShowArgs,
 }
 
-/// How the stages of a run share time.
+/// How the stages of a run are scheduled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ScheduleArg {
     /// One after another on one thread.

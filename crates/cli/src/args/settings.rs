@@ -15,7 +15,7 @@ pub(crate) struct SettingsArgs {
     /// defaults. Without this option the one that goes with the layout of the sequence is taken.
     #[arg(long, value_name = "FILE|NAME")]
     pub(crate) config: Option<PathBuf>,
-    /// Overrides one key of the configuration; may be given several times.
+    /// Overrides one key of the configuration; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) overrides: Vec<String>,
 }

@@ -31,8 +31,8 @@ fn vocabulary() -> Finding {
         Ok(vocabulary) => Finding::ok("vocabulary", format!("built in, {} words", vocabulary.n_words())),
         Err(error) => Finding::missing(
             "vocabulary",
-            format!("the one that is part of the program is damaged: {error}"),
-            "build the program again (./install.sh), or give one with --vocab FILE",
+            format!("the built-in vocabulary is damaged: {error}"),
+            "rebuild the program (./install.sh), or pass --vocab FILE",
         ),
     }
 }
@@ -42,11 +42,11 @@ fn results() -> Finding {
     let here = Path::new(".");
     let shown = env::current_dir().map_or_else(|_| ".".to_owned(), |dir| dir.display().to_string());
     match io::create_output_folder(here) {
-        Ok(()) => Finding::ok("results folder", format!("{shown}/results can be written")),
+        Ok(()) => Finding::ok("results folder", format!("{shown}/results is writable")),
         Err(error) => Finding::optional(
             "results folder",
             error.to_string(),
-            "call the program elsewhere, or with --out DIR",
+            "run the program in another folder, or pass --out DIR",
         ),
     }
 }
@@ -65,15 +65,17 @@ fn data() -> Finding {
 }
 
 fn onnx_runtime() -> Finding {
-    let remedy = format!("{}\nor name a library with ORT_DYLIB_PATH", dsfeat::INSTALL);
+    let remedy = format!("{}\nor set ORT_DYLIB_PATH to a library", dsfeat::INSTALL);
     match dsfeat::find_library() {
         Ok(library) if library.is_file() => Finding::ok("ONNX Runtime", library.display().to_string()),
         Ok(library) => {
             Finding::optional("ONNX Runtime", format!("{}: no such file", library.display()), remedy)
         }
-        Err(_) => {
-            Finding::optional("ONNX Runtime", "not found: features cannot be selected by activation", remedy)
-        }
+        Err(_) => Finding::optional(
+            "ONNX Runtime",
+            "not found: feature selection by activation is unavailable",
+            remedy,
+        ),
     }
 }
 
@@ -83,7 +85,7 @@ fn video() -> Finding {
         Some(program) => Finding::ok("video", program.display().to_string()),
         None => Finding::optional(
             "video",
-            "neither dsslam-video nor ffmpeg found: videos other than .y4m and cameras cannot be read",
+            "neither dsslam-video nor ffmpeg found: only .y4m videos can be read, no other videos and no cameras",
             "./install.sh --video (OpenCV), or install ffmpeg",
         ),
     }
@@ -94,7 +96,7 @@ fn feeder() -> Finding {
         Some(program) => Finding::ok("dsslam-rerun", program.display().to_string()),
         None => Finding::optional(
             "dsslam-rerun",
-            "not found: runs cannot be watched in Rerun",
+            "not found: runs cannot be shown in Rerun",
             "./install.sh --rerun",
         ),
     }
@@ -104,13 +106,17 @@ fn feeder() -> Finding {
 fn viewer() -> Finding {
     let remedy = format!("pip install rerun-sdk=={RERUN_VERSION}");
     let Some(program) = dsslam::find_program("rerun") else {
-        return Finding::optional("Rerun viewer", "`rerun` not found: no window opens", remedy);
+        return Finding::optional(
+            "Rerun viewer",
+            "`rerun` not found: no viewer window can be opened",
+            remedy,
+        );
     };
-    let version = probe::version_of(&program).unwrap_or_else(|| "an unknown version".to_owned());
+    let version = probe::version_of(&program).unwrap_or_else(|| "unknown version".to_owned());
     let found = format!("{version}, {}", program.display());
     if version == RERUN_VERSION {
         Finding::ok("Rerun viewer", found)
     } else {
-        Finding::optional("Rerun viewer", format!("{found}: {RERUN_VERSION} is wanted"), remedy)
+        Finding::optional("Rerun viewer", format!("found {found}, expected {RERUN_VERSION}"), remedy)
     }
 }

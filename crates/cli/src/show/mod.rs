@@ -51,7 +51,11 @@ impl Manner {
     pub(crate) fn check(&self) -> Result<()> {
         let Manner::Save(file) = self else { return Ok(()) };
         ensure!(!file.is_dir(), "{}: cannot be written: it is a folder", file.display());
-        ensure!(file.file_name().is_some(), "{}: cannot be written: it has no name", file.display());
+        ensure!(
+            file.file_name().is_some(),
+            "{}: cannot be written: the file name is missing",
+            file.display()
+        );
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
         Ok(io::create_output_folder(folder.unwrap_or(std::path::Path::new(".")))?)
     }

@@ -75,10 +75,10 @@ impl ViewerProcess {
     /// # Errors
     /// When there is nothing to wait for.
     pub(crate) fn wait_for_ever(&mut self) -> Result<ExitStatus> {
-        self.child.wait().context("the viewer cannot be waited for")
+        self.child.wait().context("waiting for the viewer failed")
     }
 
-    /// Ends it at once, so that nobody waits for its pipe.
+    /// Terminates it at once, so that nothing waits for its pipe.
     pub(crate) fn end(&mut self) {
         // It may have ended by itself.
         let _ = self.child.kill();

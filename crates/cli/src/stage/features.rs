@@ -1,4 +1,4 @@
-//! `dsslam inspect features`: the key-points of an image, and of a selection by activation also those that it drops.
+//! `dsslam inspect features`: the keypoints of an image, and of a selection by activation also those that it drops.
 
 use std::path::PathBuf;
 
@@ -13,9 +13,9 @@ use crate::args::{NetworkArgs, SettingsArgs};
 use crate::exit::{Exit, Failure, OrExit};
 use crate::selected::Selected;
 
-/// Radius of a ring in pixels of its key-point's level: a quarter of the patch that is described, so that rings stay apart.
+/// Radius of a ring in pixels of its keypoint's level: a quarter of the patch that is described, so that rings stay apart.
 const RING_PX: f64 = 4.0;
-/// Colours of what a selection keeps and drops.
+/// Colors of what a selection keeps and drops.
 const KEPT: Color = [0, 225, 150];
 const DROPPED: Color = [255, 95, 30];
 
@@ -120,7 +120,7 @@ impl Found {
     }
 }
 
-/// Key-points per octave.
+/// Keypoints per octave.
 fn count(features: &[Keypoint], levels: usize) -> Vec<usize> {
     let mut counts = vec![0; levels];
     for keypoint in features {

@@ -13,7 +13,7 @@ use runtime::FrameInfo;
 /// A frame, and where its picture goes.
 #[derive(Debug, Args)]
 pub(crate) struct FrameArgs {
-    /// Number of the sequence's frame; by default its first.
+    /// Frame number in the sequence [default: the first].
     #[arg(long, value_name = "N")]
     pub(super) frame: Option<u32>,
     /// The picture to write (PNG).
@@ -45,7 +45,7 @@ pub(crate) fn picture(path: &Path, frame: Option<u32>, config: &Config) -> Resul
         return Frames::open(path, None, config)?.picture(frame);
     }
     if let Some(number) = frame {
-        bail!("{}: found an image, and --frame {number} needs a sequence", path.display());
+        bail!("{}: found an image, but --frame {number} needs a sequence", path.display());
     }
     let input = Input::image(path, config)?;
     Ok(Picture { name: path.display().to_string(), ..Frames { input }.picture(None)? })
@@ -68,7 +68,7 @@ impl Frames {
             Some(number) => (0..n).find(|&i| feed.info(i).index == number).with_context(|| {
                 let ends = sequence.frames.first().zip(sequence.frames.last());
                 let (first, last) = ends.map(|(a, b)| (a.index, b.index)).unwrap_or_default();
-                format!("{}: found no frame {number}, it has frames {first} to {last}", sequence.name)
+                format!("{}: frame {number} does not exist, expected {first} to {last}", sequence.name)
             })?,
         };
         let frame = feed.load(position).map_err(|reason| anyhow!(reason))?;
@@ -82,7 +82,7 @@ impl Frames {
         Ok(Picture { name: self.name_of(info), image: frame.left, extractor, settings })
     }
 
-    /// Sequence and frame in words.
+    /// Sequence and frame as text.
     pub(super) fn name_of(&self, info: FrameInfo) -> String {
         format!("{} frame {}", self.input.sequence().name, info.index)
     }

@@ -67,7 +67,7 @@ fn every_example_of_every_help_works() {
     }
     let n_examples = groups.iter().map(Vec::len).sum::<usize>();
     assert!(n_examples > 30, "only {n_examples} examples found");
-    // Commands have nothing to do with each other, but the examples of one may build on those before.
+    // Commands are independent of each other, but the examples of one may build on those before.
     let n_run: usize = std::thread::scope(|scope| {
         let run = |examples: Vec<String>| {
             let dir = sandbox();

@@ -91,7 +91,7 @@ fn the_version_is_that_of_the_package() {
 }
 
 #[test]
-fn a_reader_that_has_gone_away_is_no_error() {
+fn a_reader_that_has_gone_away_is_not_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("trajectory.txt");
     let rows: Vec<String> = (0..20).map(|i| format!("{i} {i} {} 0 0 0 0 1", i * i)).collect();

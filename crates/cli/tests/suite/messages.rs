@@ -68,9 +68,9 @@ fn log_lines_are_json_objects_with_their_events() {
 }
 
 #[test]
-fn pipes_get_neither_bars_nor_colours() {
+fn pipes_get_neither_bars_nor_colors() {
     let dir = sandbox();
-    // The names of a desktop's settings that ask for colours do not make a pipe a terminal.
+    // The names of a desktop's settings that ask for colors do not make a pipe a terminal.
     let program = env!("CARGO_BIN_EXE_dsslam");
     let Call { code, stdout, stderr } = ended(
         Command::new(program)

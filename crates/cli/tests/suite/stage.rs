@@ -124,11 +124,11 @@ fn what_cannot_be_looked_at_is_named() {
     for (args, expected) in [
         (
             &["inspect", "stereo", "morning", "--frame", "99"][..],
-            "error: morning: found no frame 99, it has frames 0 to 4",
+            "error: morning: frame 99 does not exist, expected 0 to 4",
         ),
         (
             &["inspect", "features", "image_0/000000.png", "--frame", "1"],
-            "error: image_0/000000.png: found an image, and --frame 1 needs a sequence",
+            "error: image_0/000000.png: found an image, but --frame 1 needs a sequence",
         ),
         (
             &["inspect", "match", "image_0/000000.png", "--frames", "0", "1"],

@@ -163,7 +163,7 @@ fn tum(dir: &Path, sequence: &Path) {
         let depth = io::load_depth(&sequence.join("depth").join(&name)).unwrap();
         let place = |x: usize, y: usize| ((gray.width - SIZE.0) / 2 + x, y * gray.height / SIZE.1);
         let gray_at = |x, y| gray.at(place(x, y).0, place(x, y).1);
-        // 256 per metre there, 5000 here; a street is farther away than a desk.
+        // 256 per meter there, 5000 here; a street is farther away than a desk.
         let depth_at = |x, y| depth.at(place(x, y).0, place(x, y).1) / 2;
         io::save_png_gray(&dir.join("rgb").join(&name), &GrayImage::from_fn(SIZE.0, SIZE.1, gray_at))
             .unwrap();

@@ -38,7 +38,7 @@ pub struct Config {
     pub mapping: MappingParams,
     /// Places seen again.
     pub loops: LoopParams,
-    /// How the stages of a run share time.
+    /// How the stages of a run are scheduled.
     pub runtime: Lags,
     /// Seed of all random numbers.
     pub seed: u64,

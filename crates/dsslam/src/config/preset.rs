@@ -127,7 +127,7 @@ impl Config {
             self.origins.set("features.keep", Provenance::Default);
         }
         vec![format!(
-            "ONNX Runtime is not there, so {} features are selected by response instead of by activation; {}",
+            "ONNX Runtime was not found, so {} features are selected by response instead of by activation; {}",
             self.features.keep,
             dsfeat::INSTALL
         )]

@@ -16,7 +16,7 @@ fn every_key_has_a_field_whose_default_lies_in_its_range() {
     for (position, entry) in SCHEMA.iter().enumerate() {
         let key = entry.key;
         assert!(!entry.help.is_empty() && !entry.help.contains('\n'), "{key}");
-        assert!(SCHEMA[..position].iter().all(|other| other.key != key), "{key} stands twice");
+        assert!(SCHEMA[..position].iter().all(|other| other.key != key), "{key} occurs twice");
         let value = default(key).unwrap_or_else(|| panic!("{key} has no field"));
         assert_eq!(value.is_null(), entry.is_optional, "{key} is absent by default");
         if let Some(text) =
@@ -98,7 +98,7 @@ fn experts_have_keys_of_their_own() {
 #[test]
 fn what_is_said_twice_is_said_alike() {
     let config = Config::default();
-    assert_eq!(config.camera.depth_units_per_metre, features::DepthConfig::default().units_per_metre);
+    assert_eq!(config.camera.depth_units_per_metre, features::DepthConfig::default().units_per_meter);
     let options = io::OpenOptions::default();
     assert_eq!(options.association_tolerance_s, config.input.association_tolerance_s);
     assert_eq!(options.frame_rate_hz, config.camera.fps);

@@ -123,7 +123,7 @@ fn the_dump_is_complete_and_says_where_values_come_from() {
     let has =
         |wanted: &str| assert!(lines.iter().any(|line| folder.hide(line) == wanted), "{wanted} in\n{text}");
     has("  keep: 700  # keypoints kept per image (DIR/c.yaml:1:18)");
-    has("  fast_initial: 20  # FAST threshold tried first in a cell [grey levels]");
+    has("  fast_initial: 20  # FAST threshold tried first in a cell [gray levels]");
     has("  # fy:  # focal length, vertical [px]");
     has("seed: 3  # seed of all random numbers (--set seed=3)");
 }

@@ -5,7 +5,7 @@ use crate::kernels::avx2;
 use crate::plane::{Plane, SLACK, reflect};
 use simd::Simd;
 
-/// The kernel in units of 1/256, from the outside to the centre (rounded so that the sum is exactly one).
+/// The kernel in units of 1/256, from the outside to the center (rounded so that the sum is exactly one).
 pub(crate) const WEIGHTS: [i32; 4] = [18, 34, 48, 56];
 /// What is subtracted from the sums down the column.
 const OFFSET: i32 = 1 << 15;
@@ -40,8 +40,8 @@ fn blur_down(simd: Simd, rows: &[&[u8]; 7], width: usize, line: &mut [i16]) {
     let _ = simd;
     for (x, value) in line[..width].iter_mut().enumerate() {
         let pair = |i: usize| i32::from(rows[i][x]) + i32::from(rows[6 - i][x]);
-        let centre = WEIGHTS[3] * i32::from(rows[3][x]);
-        let sum = WEIGHTS[0] * pair(0) + WEIGHTS[1] * pair(1) + WEIGHTS[2] * pair(2) + centre;
+        let center = WEIGHTS[3] * i32::from(rows[3][x]);
+        let sum = WEIGHTS[0] * pair(0) + WEIGHTS[1] * pair(1) + WEIGHTS[2] * pair(2) + center;
         *value = (sum - OFFSET) as i16;
     }
 }

@@ -6,7 +6,7 @@ use crate::kernels::avx2;
 use crate::pattern::BIT_PATTERN;
 use simd::Simd;
 
-/// Largest distance in rows or columns of a rotated, rounded pattern point from the centre.
+/// Largest distance in rows or columns of a rotated, rounded pattern point from the center.
 pub(crate) const REACH: usize = 19;
 
 /// The descriptor at `offset` in `data` with the pattern turned by the angle of this cosine and sine; coordinates are

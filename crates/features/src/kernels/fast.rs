@@ -1,7 +1,7 @@
 //! FAST-9/16 corner scores (Rosten and Drummond, ECCV 2006) of whole rows.
 //!
 //! The score of a pixel is the largest threshold for which it is a corner: with the saturated differences of the 16 ring
-//! pixels to the centre, the largest over the 16 arcs of the least difference in the arc, minus one.
+//! pixels to the center, the largest over the 16 arcs of the least difference in the arc, minus one.
 
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;
@@ -51,12 +51,12 @@ pub(crate) fn score_row(
     }
 }
 
-/// The score of one pixel of the middle row; 0 where it is no corner for any threshold.
+/// The score of one pixel of the middle row; 0 where it is not a corner at any threshold.
 pub(crate) fn score_at(rows: &[&[u8]; 7], x: usize) -> u8 {
-    let centre = rows[RADIUS][x];
+    let center = rows[RADIUS][x];
     let ring = RING.map(|(dx, dy)| rows[dy][x + dx - RADIUS]);
-    let bright = best_arc(&ring.map(|p| p.saturating_sub(centre)));
-    let dark = best_arc(&ring.map(|p| centre.saturating_sub(p)));
+    let bright = best_arc(&ring.map(|p| p.saturating_sub(center)));
+    let dark = best_arc(&ring.map(|p| center.saturating_sub(p)));
     bright.max(dark).saturating_sub(1)
 }
 
@@ -71,7 +71,7 @@ fn best_arc(differences: &[u8; 16]) -> u8 {
 }
 
 /// Replaces `places` by those of the pixels `first..end` of the middle row, from left to right, whose score is above zero and
-/// above that of all eight neighbours.
+/// above that of all eight neighbors.
 pub(crate) fn local_maxima(
     simd: Simd,
     [above, middle, below]: [&[u8]; 3],

@@ -6,11 +6,11 @@ use simd::Simd;
 
 /// Radius of the disc in pixels.
 pub(crate) const RADIUS: usize = 15;
-/// Half width of the disc in each row, from the centre outwards (OpenCV's table).
+/// Half width of the disc in each row, from the center outwards (OpenCV's table).
 pub(crate) const HALF_WIDTH: [usize; RADIUS + 1] =
     [15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3];
 
-/// `(sum of dx * value, sum of dy * value)` over the disc centred at `offset` in `data`; one value more behind
+/// `(sum of dx * value, sum of dy * value)` over the disc centered at `offset` in `data`; one value more behind
 /// each row must exist.
 pub(crate) fn moments(simd: Simd, data: &[u8], stride: usize, offset: usize) -> (i32, i32) {
     #[cfg(target_arch = "x86_64")]

@@ -14,11 +14,11 @@ pub(crate) const SIDE: usize = 2 * HALF + 1;
 pub(crate) const LANES: usize = 16;
 /// Pixels left of the patch that its derivative needs, with the patch's half: the distance to keep from the left edge.
 pub(crate) const MARGIN: usize = HALF + 1;
-/// Units of brightness per grey level.
+/// Units of brightness per gray level.
 pub(crate) const ONE: i32 = 128;
 /// Largest difference that counts, in units of brightness; pixels with more have no weight.
 pub(crate) const LIMIT: i32 = 64 * ONE - 1;
-/// Units of the derivative along the row per grey level and pixel.
+/// Units of the derivative along the row per gray level and pixel.
 const ONE_SLOPE: i32 = 8;
 /// Standard deviation of the patch's weights, pixels.
 const SIGMA_PX: f64 = 5.0;
@@ -26,11 +26,11 @@ const SIGMA_PX: f64 = 5.0;
 /// A patch of the left image.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Patch {
-    /// Brightness, 128 per grey level.
+    /// Brightness, 128 per gray level.
     pub(crate) values: [[i16; LANES]; SIDE],
-    /// Derivative along the row, 8 per grey level and pixel.
+    /// Derivative along the row, 8 per gray level and pixel.
     pub(crate) gradients: [[i16; LANES]; SIDE],
-    /// Mean absolute deviation from the mean, grey levels.
+    /// Mean absolute deviation from the mean, gray levels.
     pub(crate) contrast: f64,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Row<'a> {
 }
 
 /// Weighted sums over the patch; `j` is the row relative to the middle, `g` the derivative of the left patch, `e` the
-/// difference right + offset - left, in grey levels and pixels.
+/// difference right + offset - left, in gray levels and pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     pub(crate) gg: f64,
@@ -115,7 +115,7 @@ impl Task for Cut<'_> {
     }
 }
 
-/// The sums for the patch against `rows` with `offset`, 128 per grey level, added to them. Without `robust` all pixels have
+/// The sums for the patch against `rows` with `offset`, 128 per gray level, added to them. Without `robust` all pixels have
 /// their Gaussian weight, otherwise that times `1 - (e / 64)^2`.
 ///
 /// # Panics
@@ -164,7 +164,7 @@ fn product(a: i32, b: i32) -> i32 {
     (a * b + (1 << 14)) >> 15
 }
 
-/// From integer sums to grey levels and pixels, and from rows counted from below to rows from the middle: `j = 8 - m`.
+/// From integer sums to gray levels and pixels, and from rows counted from below to rows from the middle: `j = 8 - m`.
 fn scaled(sums: &IntegerSums) -> Sums {
     let middle = HALF as i64 + 1;
     let moment = |[total, first]: [i64; 2]| middle * total - first;

@@ -83,7 +83,7 @@ pub(crate) struct Resizer {
 }
 
 impl Resizer {
-    /// Writes `source`, reduced to `width` by `height`, to `target`; pixel centres correspond.
+    /// Writes `source`, reduced to `width` by `height`, to `target`; pixel centers correspond.
     pub(crate) fn run(
         &mut self,
         simd: Simd,
@@ -120,7 +120,7 @@ impl Resizer {
     }
 }
 
-/// Sampling positions of `to` centres spread over `from` pixels.
+/// Sampling positions of `to` centers spread over `from` pixels.
 fn taps(from: usize, to: usize, one: f64) -> Vec<Tap> {
     let step = from as f64 / to as f64;
     let last = from.saturating_sub(2) as f64;

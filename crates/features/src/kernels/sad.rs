@@ -1,7 +1,7 @@
 //! Costs of a patch along a row: sums of absolute differences of 16 x 8 patches after their means were made equal.
 //!
 //! Without the means the cost would follow differences of exposure; of the measures tried on real pairs (plain, without the
-//! centre value, high-pass filtered, other shapes) this one finds most matches at the lowest rate of wrong ones.
+//! center value, high-pass filtered, other shapes) this one finds most matches at the lowest rate of wrong ones.
 
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::avx2;

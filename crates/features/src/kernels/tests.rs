@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Noise of `contrast` grey levels on smooth ramps, so that corners, edges and flat parts occur.
+/// Noise of `contrast` gray levels on smooth ramps, so that corners, edges and flat parts occur.
 fn textured(width: usize, height: usize, contrast: u8, seed: u64) -> Plane {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let image = GrayImage::from_fn(width, height, |x, y| {
@@ -124,11 +124,11 @@ proptest! {
 #[test]
 fn score_is_the_largest_threshold_that_keeps_the_corner() {
     let is_corner = |rows: &[&[u8]; 7], x: usize, threshold: i32| {
-        let centre = i32::from(rows[3][x]);
+        let center = i32::from(rows[3][x]);
         let ring = fast::RING.map(|(dx, dy)| i32::from(rows[dy][x + dx - 3]));
         (0..16).any(|start| {
             let arc = |test: &dyn Fn(i32) -> bool| (0..9).all(|i| test(ring[(start + i) % 16]));
-            arc(&|p| p > centre + threshold) || arc(&|p| p < centre - threshold)
+            arc(&|p| p > center + threshold) || arc(&|p| p < center - threshold)
         })
     };
     let source = textured(200, 40, 80, 3);
@@ -160,7 +160,7 @@ fn constant_images_stay_constant() {
 
 #[test]
 fn reduction_keeps_a_ramp_in_place() {
-    // Pixel centres correspond: x of the result lies at (x + 0.5) * 1.2 - 0.5 of the source.
+    // Pixel centers correspond: x of the result lies at (x + 0.5) * 1.2 - 0.5 of the source.
     let mut source = Plane::default();
     source.copy_from(&GrayImage::from_fn(120, 30, |x, _| (2 * x) as u8));
     let mut result = Plane::default();

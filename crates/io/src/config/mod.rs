@@ -1,5 +1,5 @@
 //! Reading of configurations: defaults, a YAML file and `--set` arguments, in rising order of power, checked against a list of
-//! keys. What sections there are is no matter of this module: they are the parameter structs of the crates that use them.
+//! keys. This module does not know which sections exist: they are the parameter structs of the crates that use them.
 
 mod dump;
 mod explain;

@@ -39,7 +39,7 @@ pub struct CameraSettings {
     pub baseline_m: Option<f64>,
     /// Frames per second.
     pub fps: f64,
-    /// Value of a depth image at one metre.
+    /// Value of a depth image at one meter.
     pub depth_units_per_metre: f64,
 }
 
@@ -67,7 +67,7 @@ impl Default for CameraSettings {
 #[rustfmt::skip]
 impl Section for CameraSettings {
     const KEYS: &'static [Entry] = &[
-        optional_real("camera.fx", "px", above(0.0), "focal length, horizontal; a calibration file of the dataset wins"),
+        optional_real("camera.fx", "px", above(0.0), "focal length, horizontal; a calibration file of the dataset takes precedence"),
         optional_real("camera.fy", "px", above(0.0), "focal length, vertical"),
         optional_real("camera.cx", "px", ANY, "principal point, horizontal"),
         optional_real("camera.cy", "px", ANY, "principal point, vertical"),
@@ -76,11 +76,11 @@ impl Section for CameraSettings {
         real("camera.p1", "", ANY, "tangential distortion"),
         real("camera.p2", "", ANY, "tangential distortion"),
         real("camera.k3", "", ANY, "radial distortion, r^6"),
-        optional_integer("camera.width", "px", [16, 16_384], "image width; absent: that of the first image"),
-        optional_integer("camera.height", "px", [16, 16_384], "image height; absent: that of the first image"),
-        optional_real("camera.baseline_m", "m", above(0.0), "distance of the two cameras; for RGB-D the virtual one (bf / fx)"),
+        optional_integer("camera.width", "px", [16, 16_384], "image width; absent: taken from the first image"),
+        optional_integer("camera.height", "px", [16, 16_384], "image height; absent: taken from the first image"),
+        optional_real("camera.baseline_m", "m", above(0.0), "distance between the two cameras; for RGB-D the virtual baseline (bf / fx)"),
         real("camera.fps", "Hz", above(0.0), "frame rate; the longest gap between keyframes is one second of frames"),
-        real("camera.depth_units_per_metre", "1/m", above(0.0), "value of a depth image at one metre"),
+        real("camera.depth_units_per_metre", "1/m", above(0.0), "value of a depth image at one meter"),
     ];
 }
 
@@ -94,7 +94,7 @@ pub struct InputSettings {
     pub scale: f64,
     /// Image that is 0 where no features are to be taken.
     pub mask: Option<PathBuf>,
-    /// Largest time between a colour image and its depth image, s.
+    /// Largest time between a color image and its depth image, s.
     pub association_tolerance_s: f64,
 }
 
@@ -107,9 +107,9 @@ impl Default for InputSettings {
 #[rustfmt::skip]
 impl Section for InputSettings {
     const KEYS: &'static [Entry] = &[
-        optional_choice("input.sensor", Sensor::WORDS, "what to use; absent: the richest that the dataset offers"),
+        optional_choice("input.sensor", Sensor::WORDS, "which sensor to use; absent: the richest that the dataset offers"),
         real("input.scale", "", between(0.1, 1.0), "images are reduced by this factor before anything else; the camera is scaled with them"),
-        optional_file("input.mask", "grey PNG of the size of the left raw image: no features where it is 0"),
-        real("input.association_tolerance_s", "s", above(0.0), "largest time between a colour image and its depth image"),
+        optional_file("input.mask", "gray PNG, as large as the raw left image: no features where it is 0"),
+        real("input.association_tolerance_s", "s", above(0.0), "maximum time between a color image and its depth image"),
     ];
 }

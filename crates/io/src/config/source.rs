@@ -12,7 +12,7 @@ use super::problem::{Problem, Provenance};
 use super::value::Value;
 use crate::file::TextFile;
 
-/// A key with its value, as somebody gave it.
+/// A key with its value, as given.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Given {
     pub(super) key: String,
@@ -100,13 +100,13 @@ fn file_place(path: &Path, line: u64, column: u64) -> Provenance {
     Provenance::File { path: path.to_path_buf(), line, column }
 }
 
-/// The parser's own message; its place stands in front already.
+/// The parser's own message; its position has been printed already.
 fn syntax_problem(path: &Path, error: &serde_saphyr::Error) -> Problem {
     let (line, column) = error.location().map_or((0, 0), |location| (location.line(), location.column()));
     let message = error.without_snippet().to_string();
     let message = message.strip_suffix(&format!(" at line {line}, column {column}")).unwrap_or(&message);
     let place = file_place(path, line, column);
-    Problem { place, key: String::new(), message: format!("broken YAML: {message}") }
+    Problem { place, key: String::new(), message: format!("invalid YAML: {message}") }
 }
 
 impl<'de> Deserialize<'de> for Node {
@@ -115,7 +115,7 @@ impl<'de> Deserialize<'de> for Node {
     }
 }
 
-/// Takes whatever stands there.
+/// Takes any value.
 struct NodeVisitor;
 
 impl<'de> Visitor<'de> for NodeVisitor {

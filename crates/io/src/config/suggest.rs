@@ -1,6 +1,6 @@
 //! The known key nearest to an unknown one.
 
-/// Number of insertions, deletions, substitutions and swaps of neighbours between two words (optimal string
+/// Number of insertions, deletions, substitutions and swaps of neighbors between two words (optimal string
 /// alignment distance).
 fn edit_distance(a: &str, b: &str) -> usize {
     let a: Vec<char> = a.chars().collect();

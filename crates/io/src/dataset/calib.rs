@@ -12,7 +12,7 @@ const EXPECTED: &str = "12 numbers (projection matrix, row by row)";
 /// One rectified camera: x_cam = x_cam0 + t.
 struct Projection {
     camera: Pinhole,
-    /// t in metres.
+    /// t in meters.
     offset: Vec3,
     line: usize,
 }
@@ -20,7 +20,7 @@ struct Projection {
 /// The calibration of a pair, and where its left camera stands.
 pub(super) struct KittiCalibration {
     pub(super) calibration: Calibration,
-    /// Position of the left camera in the frame of camera 0, metres; the ground truth is that of camera 0.
+    /// Position of the left camera in the frame of camera 0, meters; the ground truth is that of camera 0.
     pub(super) left_in_camera0: Vec3,
 }
 
@@ -69,7 +69,7 @@ fn projection(line: &Line<'_>, name: &str, matrix: &[f64; 12]) -> Result<Project
     Ok(Projection { camera: Pinhole { fx, fy, cx, cy }, offset, line: line.number })
 }
 
-/// Baseline in metres; the two cameras must be rectified and the right one must stand to the right.
+/// Baseline in meters; the two cameras must be rectified and the right one must stand to the right.
 fn baseline(file: &TextFile, left: &Projection, right: &Projection) -> Result<f64, FileError> {
     let error = |found: String, expected: &str| FileError::Line {
         path: file.path.clone(),

@@ -78,7 +78,7 @@ impl Cameras {
         })
     }
 
-    /// One camera: key-points of a pinhole are undistorted one by one; the image of a fisheye is redrawn.
+    /// One camera: keypoints of a pinhole are undistorted one by one; the image of a fisheye is redrawn.
     ///
     /// # Errors
     /// [`DatasetError`] for a fisheye that does not see along its axis.

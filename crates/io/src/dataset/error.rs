@@ -81,7 +81,7 @@ pub enum DatasetError {
         n_images: usize,
     },
     /// A calibration file is not YAML of the expected form.
-    #[error("{}:{line}: broken YAML: {message}", path.display())]
+    #[error("{}:{line}: invalid YAML: {message}", path.display())]
     Yaml {
         /// The calibration file.
         path: PathBuf,

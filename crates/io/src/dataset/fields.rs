@@ -155,7 +155,7 @@ impl Fields {
         data: &[f64],
         expected: &str,
     ) -> Result<SE3, DatasetError> {
-        /// Files keep four digits or more; a wider deviation is no rounding.
+        /// Files keep four digits or more; a larger deviation is not due to rounding.
         const TOLERANCE: f64 = 0.01;
         if data.len() != 16 {
             return Err(self.wrong(field, place, counted(data.len(), "number"), expected));

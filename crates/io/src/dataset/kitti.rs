@@ -1,4 +1,4 @@
-//! KITTI odometry folders: `times.txt`, `calib.txt`, `image_0`/`image_1` (grey) or `image_2`/`image_3` (colour), poses.
+//! KITTI odometry folders: `times.txt`, `calib.txt`, `image_0`/`image_1` (gray) or `image_2`/`image_3` (color), poses.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ struct Pair {
     right_camera: &'static str,
 }
 
-/// Grey first: no colour conversion, and the ground truth is that of camera 0.
+/// Gray first: no color conversion, and the ground truth is that of camera 0.
 const PAIRS: [Pair; 2] = [
     Pair { left_folder: "image_0", right_folder: "image_1", left_camera: "P0", right_camera: "P1" },
     Pair { left_folder: "image_2", right_folder: "image_3", left_camera: "P2", right_camera: "P3" },

@@ -46,7 +46,7 @@ pub enum SequenceKind {
 /// A camera as a dataset describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// Intrinsics in pixels and baseline in metres; the baseline is 0 where a monocular dataset gives none.
+    /// Intrinsics in pixels and baseline in meters; the baseline is 0 where a monocular dataset gives none.
     pub rig: StereoRig,
     /// Lens distortion; zero for rectified images.
     pub distortion: Distortion,
@@ -198,7 +198,7 @@ pub fn open_sequence(dir: &Path, sensor: Option<Sensor>) -> Result<Sequence, Dat
     open_sequence_with(dir, &OpenOptions { sensor, ..OpenOptions::default() })
 }
 
-/// Opens a dataset: recognises its layout, lists its frames, reads calibration, times and ground truth.
+/// Opens a dataset: recognizes its layout, lists its frames, reads calibration, times and ground truth.
 ///
 /// # Errors
 /// [`DatasetError`] for a missing or unknown folder, broken text files, or a sensor that the folder does not have.

@@ -11,7 +11,7 @@ pub struct RawCamera {
     pub model: CameraModel,
     /// Size of its images.
     pub size: ImageSize,
-    /// Pose of the camera in the frame of the body, metres (EuRoC: `T_BS`).
+    /// Pose of the camera in the frame of the body, meters (EuRoC: `T_BS`).
     pub body_from_cam: SE3,
 }
 

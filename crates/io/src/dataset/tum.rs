@@ -22,13 +22,13 @@ struct Entry {
 pub(super) fn open(dir: &Path, options: &OpenOptions) -> Result<Sequence, DatasetError> {
     let mut warnings = Vec::new();
     let sensor = choose_sensor(dir, options.sensor, &mut warnings)?;
-    let colour = read_list(dir, "rgb.txt")?;
+    let color = read_list(dir, "rgb.txt")?;
     let frames: Vec<FrameSource> = match sensor {
         Sensor::Rgbd => {
             let depth = read_list(dir, "depth.txt")?;
-            pair_frames(dir, colour, depth, options.association_tolerance_s, &mut warnings)?
+            pair_frames(dir, color, depth, options.association_tolerance_s, &mut warnings)?
         }
-        _ => colour
+        _ => color
             .into_iter()
             .zip(0..)
             .map(|(entry, index)| FrameSource {
@@ -96,33 +96,33 @@ fn read_list(dir: &Path, name: &str) -> Result<Vec<Entry>, FileError> {
     if entries.is_empty() { Err(file.empty(EXPECTED)) } else { Ok(entries) }
 }
 
-/// Frames out of the colour images that have a depth image near in time.
+/// Frames out of the color images that have a depth image near in time.
 fn pair_frames(
     dir: &Path,
-    colour: Vec<Entry>,
+    color: Vec<Entry>,
     depth: Vec<Entry>,
     tolerance_s: f64,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<FrameSource>, DatasetError> {
     let times = |entries: &[Entry]| entries.iter().map(|entry| entry.timestamp_s).collect::<Vec<_>>();
-    let partners = associate(&times(&colour), &times(&depth), tolerance_s);
+    let partners = associate(&times(&color), &times(&depth), tolerance_s);
     let n_single = partners.iter().filter(|partner| partner.is_none()).count();
     let tolerance_ms = tolerance_s * 1e3;
-    if n_single == colour.len() {
+    if n_single == color.len() {
         return Err(DatasetError::SensorUnavailable {
             path: dir.to_path_buf(),
             sensor: Sensor::Rgbd,
-            reason: format!("no colour image has a depth image within {tolerance_ms} ms"),
+            reason: format!("no color image has a depth image within {tolerance_ms} ms"),
         });
     }
     if n_single > 0 {
         warnings.push(format!(
-            "{}: {n_single} of {} have no depth image within {tolerance_ms} ms and are left out",
+            "{}: {n_single} of {} have no depth image within {tolerance_ms} ms and are skipped",
             dir.join("rgb.txt").display(),
-            counted(colour.len(), "colour image"),
+            counted(color.len(), "color image"),
         ));
     }
-    let pairs = colour.into_iter().zip(partners).filter_map(|(entry, partner)| Some((entry, partner?)));
+    let pairs = color.into_iter().zip(partners).filter_map(|(entry, partner)| Some((entry, partner?)));
     Ok(pairs
         .zip(0..)
         .map(|((entry, partner), index)| FrameSource {

@@ -10,10 +10,10 @@ use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder, ImageFormat, ImageResult};
 
 use super::Rgb;
-use super::gray::{first_channel, gray_from_colour};
+use super::gray::{first_channel, gray_from_color};
 use super::{ImageError, ImageSize};
 
-/// Reads an image as 8-bit grey; colour is weighted as OpenCV does, alpha is left out.
+/// Reads an image as 8-bit gray; color is weighted as OpenCV does, alpha is left out.
 ///
 /// # Errors
 /// [`ImageError`]; `UnsupportedDepth` for 16 bits a channel.
@@ -22,14 +22,14 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, ImageError> {
     let data = match decoded.color {
         ColorType::L8 => decoded.bytes,
         ColorType::La8 => first_channel(&decoded.bytes, 2),
-        ColorType::Rgb8 => gray_from_colour(&decoded.bytes, 3),
-        ColorType::Rgba8 => gray_from_colour(&decoded.bytes, 4),
-        other => return Err(unsupported(path, other, "8 bits per channel, grey or colour")),
+        ColorType::Rgb8 => gray_from_color(&decoded.bytes, 3),
+        ColorType::Rgba8 => gray_from_color(&decoded.bytes, 4),
+        other => return Err(unsupported(path, other, "8 bits per channel, gray or color")),
     };
     raster(path, decoded.size, data)
 }
 
-/// Reads an image as 8-bit colour; grey gives three equal channels, alpha is left out.
+/// Reads an image as 8-bit color; gray gives three equal channels, alpha is left out.
 ///
 /// # Errors
 /// [`ImageError`]; `UnsupportedDepth` for 16 bits a channel.
@@ -41,19 +41,19 @@ pub fn load_rgb(path: &Path) -> Result<Rgb, ImageError> {
         ColorType::Rgb8 | ColorType::Rgba8 => {
             bytes.chunks_exact(n_channels).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
         }
-        other => return Err(unsupported(path, other, "8 bits per channel, grey or colour")),
+        other => return Err(unsupported(path, other, "8 bits per channel, gray or color")),
     };
     raster(path, decoded.size, data)
 }
 
-/// Reads a 16-bit grey image unchanged: depth in the dataset's units.
+/// Reads a 16-bit gray image unchanged: depth in the dataset's units.
 ///
 /// # Errors
-/// [`ImageError`]; `UnsupportedDepth` for anything but 16-bit grey.
+/// [`ImageError`]; `UnsupportedDepth` for anything but 16-bit gray.
 pub fn load_depth(path: &Path) -> Result<DepthImage, ImageError> {
     let decoded = decode(path)?;
     if decoded.color != ColorType::L16 {
-        return Err(unsupported(path, decoded.color, "16-bit grey (a depth image)"));
+        return Err(unsupported(path, decoded.color, "16-bit gray (a depth image)"));
     }
     let data = decoded.bytes.chunks_exact(2).map(|pair| u16::from_ne_bytes([pair[0], pair[1]])).collect();
     raster(path, decoded.size, data)
@@ -173,13 +173,13 @@ fn corrupt(path: &Path, format: Format, error: &image::ImageError) -> ImageError
 
 fn unsupported(path: &Path, color: ColorType, expected: &'static str) -> ImageError {
     let found = match color {
-        ColorType::L8 => "8-bit grey".to_string(),
-        ColorType::L16 => "16-bit grey".to_string(),
-        ColorType::La8 => "8-bit grey with alpha".to_string(),
-        ColorType::Rgb8 => "8-bit colour".to_string(),
-        ColorType::Rgba8 => "8-bit colour with alpha".to_string(),
-        ColorType::La16 => "16-bit grey with alpha".to_string(),
-        ColorType::Rgb16 | ColorType::Rgba16 => "16-bit colour".to_string(),
+        ColorType::L8 => "8-bit gray".to_string(),
+        ColorType::L16 => "16-bit gray".to_string(),
+        ColorType::La8 => "8-bit gray with alpha".to_string(),
+        ColorType::Rgb8 => "8-bit color".to_string(),
+        ColorType::Rgba8 => "8-bit color with alpha".to_string(),
+        ColorType::La16 => "16-bit gray with alpha".to_string(),
+        ColorType::Rgb16 | ColorType::Rgba16 => "16-bit color".to_string(),
         other => format!("{other:?} pixels"),
     };
     ImageError::UnsupportedDepth { path: path.to_path_buf(), found, expected }

@@ -10,7 +10,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use super::Rgb;
 use crate::file::{FileError, write_atomic};
 
-/// Writes an 8-bit grey PNG.
+/// Writes an 8-bit gray PNG.
 ///
 /// # Errors
 /// [`FileError::Unwritable`].
@@ -18,7 +18,7 @@ pub fn save_png_gray(path: &Path, image: &GrayImage) -> Result<(), FileError> {
     save(path, (image.width, image.height), &image.data, ExtendedColorType::L8)
 }
 
-/// Writes an 8-bit colour PNG.
+/// Writes an 8-bit color PNG.
 ///
 /// # Errors
 /// [`FileError::Unwritable`].
@@ -26,7 +26,7 @@ pub fn save_png_rgb(path: &Path, image: &Rgb) -> Result<(), FileError> {
     save(path, (image.width, image.height), image.data.as_flattened(), ExtendedColorType::Rgb8)
 }
 
-/// Writes a 16-bit grey PNG, values unchanged.
+/// Writes a 16-bit gray PNG, values unchanged.
 ///
 /// # Errors
 /// [`FileError::Unwritable`].
@@ -62,7 +62,7 @@ pub fn preview(image: &GrayImage, max_width: usize) -> Option<Preview> {
     Some(Preview { width, height, jpeg })
 }
 
-/// Means of blocks of `side` x `side` pixels, rounded; rows and columns that fill no block are left out.
+/// Means of blocks of `side` x `side` pixels, rounded; rows and columns that fill no block are skipped.
 fn averaged(image: &GrayImage, side: usize) -> Vec<u8> {
     let (width, height) = (image.width / side, image.height / side);
     let mut pixels = Vec::with_capacity(width * height);

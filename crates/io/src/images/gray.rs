@@ -1,10 +1,10 @@
-//! Colour to grey with the weights and the rounding of OpenCV (ITU-R BT.601, 15-bit fixed point).
+//! Color to gray with the weights and the rounding of OpenCV (ITU-R BT.601, 15-bit fixed point).
 
 /// 0.299 in units of 2^-15.
 const RED: u32 = 9798;
 /// 0.587 in units of 2^-15.
 const GREEN: u32 = 19235;
-/// 0.114 in units of 2^-15; the three add up to one exactly, so that grey stays grey.
+/// 0.114 in units of 2^-15; the three add up to one exactly, so that gray stays gray.
 const BLUE: u32 = 3735;
 const SHIFT: u32 = 15;
 
@@ -14,12 +14,12 @@ pub fn brightness(red: u8, green: u8, blue: u8) -> u8 {
     ((sum + (1 << (SHIFT - 1))) >> SHIFT) as u8
 }
 
-/// Grey pixels out of interleaved ones of `channels` bytes, red first; what follows the third channel is left out.
-pub(super) fn gray_from_colour(pixels: &[u8], channels: usize) -> Vec<u8> {
+/// Gray pixels out of interleaved ones of `channels` bytes, red first; what follows the third channel is left out.
+pub(super) fn gray_from_color(pixels: &[u8], channels: usize) -> Vec<u8> {
     pixels.chunks_exact(channels).map(|pixel| brightness(pixel[0], pixel[1], pixel[2])).collect()
 }
 
-/// The first byte of each pixel: grey out of grey with alpha.
+/// The first byte of each pixel: gray out of gray with alpha.
 pub(super) fn first_channel(pixels: &[u8], channels: usize) -> Vec<u8> {
     pixels.iter().step_by(channels).copied().collect()
 }
@@ -36,7 +36,7 @@ mod tests {
     }
 
     #[test]
-    fn grey_stays_grey() {
+    fn gray_stays_gray() {
         for value in 0..=255 {
             assert_eq!(brightness(value, value, value), value);
         }
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn channels_are_skipped() {
-        assert_eq!(gray_from_colour(&[255, 0, 0, 9, 0, 0, 255, 9], 4), [76, 29]);
+        assert_eq!(gray_from_color(&[255, 0, 0, 9, 0, 0, 255, 9], 4), [76, 29]);
         assert_eq!(first_channel(&[1, 2, 3, 4], 2), [1, 3]);
     }
 }

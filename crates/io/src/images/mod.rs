@@ -1,4 +1,4 @@
-//! Images from and to files: 8-bit grey and colour, 16-bit depth; the first stage of the pipeline.
+//! Images from and to files: 8-bit gray and color, 16-bit depth; the first stage of the pipeline.
 
 mod decode;
 mod encode;
@@ -21,13 +21,13 @@ pub use gray::brightness;
 pub(crate) use halves::half_size;
 pub use resize::{reduce_depth, reduce_gray};
 
-/// An 8-bit colour image, red first.
+/// An 8-bit color image, red first.
 pub type Rgb = Raster<[u8; 3]>;
 
 /// The pixels of one frame.
 #[derive(Clone, Debug)]
 pub struct LoadedFrame {
-    /// Left (or only) image, grey.
+    /// Left (or only) image, gray.
     pub left: GrayImage,
     /// Right image, of the size of the left.
     pub right: Option<GrayImage>,

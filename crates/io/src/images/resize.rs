@@ -6,8 +6,8 @@ use image::{ImageBuffer, Luma};
 
 use super::ImageSize;
 
-/// A grey image reduced to a size, with the corners kept in place: each pixel is a weighted mean over the area that it covers and half
-/// of that of its neighbours, so that nothing is seen that is finer than the new pixels.
+/// A gray image reduced to a size, with the corners kept in place: each pixel is a weighted mean over the area that it covers and half
+/// of that of its neighbors, so that nothing is seen that is finer than the new pixels.
 #[must_use]
 pub fn reduce_gray(image: &GrayImage, size: ImageSize) -> GrayImage {
     let (width, height) = (image.width as u32, image.height as u32);

@@ -28,7 +28,7 @@ pub(super) fn stamped_row(line: &Line<'_>) -> Result<StampedPose, FileError> {
 
 /// The pose of twelve numbers, its rotation as it is written.
 fn pose_from_row(line: &Line<'_>, row: &[f64; 12]) -> Result<SE3, FileError> {
-    /// Published files keep six digits; a wider deviation is no rounding.
+    /// Published files keep six digits; a larger deviation is not due to rounding.
     const TOLERANCE: f64 = 0.01;
     let matrix = Mat3::new(row[0], row[1], row[2], row[4], row[5], row[6], row[8], row[9], row[10]);
     let deviation = (matrix.transpose() * matrix - Mat3::identity()).amax();

@@ -79,8 +79,8 @@ impl Trajectory {
 }
 
 impl TrajectoryFile {
-    /// The poses with times in seconds: poses of frames get those of their frames, `times_s`; poses of later frames are left
-    /// out.
+    /// The poses with times in seconds: poses of frames get those of their frames, `times_s`; poses of later frames
+    /// are skipped.
     pub fn with_frame_times(mut self, times_s: &[f64]) -> Trajectory {
         if self.stamps != Stamps::Times {
             let time = |pose: &StampedPose| {
@@ -170,15 +170,17 @@ fn is_frame_number(stamp: f64) -> bool {
 /// Refuses a time that does not lie after the one before it.
 pub(crate) fn check_increasing(line: &Line<'_>, previous: Option<f64>, time_s: f64) -> Result<(), FileError> {
     match previous {
-        Some(before) if time_s <= before => Err(line
-            .error(format!("time {time_s} after {before} of the entry before"), "strictly increasing times")),
+        Some(before) if time_s <= before => Err(line.error(
+            format!("time {time_s} after {before} of the previous entry"),
+            "strictly increasing times",
+        )),
         _ => Ok(()),
     }
 }
 
 /// A rotation out of quaternion components as files round them; refuses what is far from unit length.
 fn rotation_from_quaternion(line: &Line<'_>, wxyz: [f64; 4]) -> Result<geometry::SO3, FileError> {
-    /// Files keep four decimals or more; a wider deviation is no rounding.
+    /// Files keep four decimals or more; a larger deviation is not due to rounding.
     const TOLERANCE: f64 = 0.01;
     let [w, x, y, z] = wxyz;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);

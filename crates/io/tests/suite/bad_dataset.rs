@@ -81,11 +81,11 @@ fn times_that_are_no_numbers() {
 fn times_that_go_back_or_stand_still() {
     assert_eq!(
         refused_with("times.txt", "0\n0.2\n0.1\n"),
-        "DIR/times.txt:3: found time 0.1 after 0.2 of the entry before, expected strictly increasing times"
+        "DIR/times.txt:3: found time 0.1 after 0.2 of the previous entry, expected strictly increasing times"
     );
     assert_eq!(
         refused_with("times.txt", "0\n0.2\n0.2\n"),
-        "DIR/times.txt:3: found time 0.2 after 0.2 of the entry before, expected strictly increasing times"
+        "DIR/times.txt:3: found time 0.2 after 0.2 of the previous entry, expected strictly increasing times"
     );
 }
 
@@ -221,11 +221,11 @@ fn broken_tum_lists() {
     folder.write("rgb.txt", "2.0 rgb/a.png\n1.0 rgb/b.png\n");
     assert_eq!(
         refused(&folder, None),
-        "DIR/rgb.txt:2: found time 1 after 2 of the entry before, expected strictly increasing times"
+        "DIR/rgb.txt:2: found time 1 after 2 of the previous entry, expected strictly increasing times"
     );
     folder.write("rgb.txt", "7.0 rgb/a.png\n");
     assert_eq!(
         refused(&folder, None),
-        "DIR: sensor rgbd is not possible here: no colour image has a depth image within 20 ms"
+        "DIR: sensor rgbd is not possible here: no color image has a depth image within 20 ms"
     );
 }

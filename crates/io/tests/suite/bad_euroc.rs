@@ -107,9 +107,9 @@ fn wrong_fields_with_their_lines() {
 #[test]
 fn a_calibration_that_is_no_yaml() {
     let message = refused_sensor("resolution: [40, 20]", "resolution: [40, 20");
-    assert!(message.starts_with(":12: broken YAML: "), "{message}");
+    assert!(message.starts_with(":12: invalid YAML: "), "{message}");
     let message = refused_sensor("resolution: [40, 20]", "resolution: wide");
-    assert!(message.starts_with(":11: broken YAML: "), "{message}");
+    assert!(message.starts_with(":11: invalid YAML: "), "{message}");
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn lists_with_broken_rows() {
     assert_eq!(list("1.5,a.png\n"), ":1: found `1.5`, expected whole nanoseconds");
     assert_eq!(
         list("5,a.png\n5,b.png\n"),
-        ":2: found time 5 after 5 of the entry before, expected strictly increasing times"
+        ":2: found time 5 after 5 of the previous entry, expected strictly increasing times"
     );
 }
 

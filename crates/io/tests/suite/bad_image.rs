@@ -116,13 +116,13 @@ fn wrong_kind_of_pixels() {
     let gray = folder.gray("gray.png", 4, 4);
     assert_eq!(
         folder.hide(load_depth(&gray).unwrap_err()),
-        "DIR/gray.png: found 8-bit grey, expected 16-bit grey (a depth image)"
+        "DIR/gray.png: found 8-bit gray, expected 16-bit gray (a depth image)"
     );
     let depth = folder.file("depth.png");
     dsslam_io::save_png_depth(&depth, &DepthImage::new(4, 4, 5000)).unwrap();
     assert_eq!(
         folder.hide(load_gray(&depth).unwrap_err()),
-        "DIR/depth.png: found 16-bit grey, expected 8 bits per channel, grey or colour"
+        "DIR/depth.png: found 16-bit gray, expected 8 bits per channel, gray or color"
     );
 }
 

@@ -67,7 +67,7 @@ fn missing_fields() {
     );
     assert_eq!(
         refused("right_from_left:\n  - [1, 0, 0, -0.25]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n", ""),
-        ": right_from_left: found nothing, expected 3 rows of 4 numbers (rotation and translation in metres: x_right = \
+        ": right_from_left: found nothing, expected 3 rows of 4 numbers (rotation and translation in meters: x_right = \
          R x_left + t)"
     );
     assert_eq!(
@@ -107,14 +107,14 @@ fn wrong_fields_with_their_lines() {
         (
             "  - [0, 0, 1, 0]\n",
             "",
-            ":12: right_from_left: found 2 rows, expected 3 rows of 4 numbers (rotation and translation in metres: \
+            ":12: right_from_left: found 2 rows, expected 3 rows of 4 numbers (rotation and translation in meters: \
              x_right = R x_left + t)",
         ),
         (
             "  - [0, 0, 1, 0]\n",
             "  - [0, 0, 2, 0]\n",
             ":12: right_from_left: found a matrix that is 1.000 from a rigid motion, expected 3 rows of 4 numbers \
-             (rotation and translation in metres: x_right = R x_left + t)",
+             (rotation and translation in meters: x_right = R x_left + t)",
         ),
         (
             "-0.25]",
@@ -125,7 +125,7 @@ fn wrong_fields_with_their_lines() {
         assert_eq!(refused(piece, other), expected);
     }
     let message = refused("fps: 25", "rate: 25");
-    assert!(message.starts_with(":1: broken YAML: ") && message.contains("rate"), "{message}");
+    assert!(message.starts_with(":1: invalid YAML: ") && message.contains("rate"), "{message}");
     let one = calibration_yaml(1) + "right_from_left: [[1, 0, 0, 0]]\n";
     assert_eq!(
         open_with(&one).unwrap_err(),

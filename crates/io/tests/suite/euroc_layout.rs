@@ -51,7 +51,7 @@ fn the_pose_of_the_rectified_camera_in_the_body_undoes_its_turn() {
     let raw = sequence.raw_calibration.unwrap();
     let back = sequence.body_from_left * SE3::new(left.rectified_from_cam, Vec3::zeros());
     assert!((back.matrix() - raw.cameras[0].body_from_cam.matrix()).amax() < 1e-15);
-    // The right centre lies along x of the rectified left camera.
+    // The right center lies along x of the rectified left camera.
     let center = sequence.body_from_left.inverse() * raw.cameras[1].body_from_cam.translation;
     let baseline_m = sequence.calibration.unwrap().rig.baseline_m;
     assert!((center - Vec3::new(baseline_m, 0.0, 0.0)).norm() < 1e-15, "{center}");
@@ -81,8 +81,8 @@ fn images_without_a_partner_are_left_out_and_counted() {
     assert_eq!(
         warnings,
         [
-            "DIR/mav0/cam0/data.csv: 1 of 4 images have no image of cam1 within 1 ms and are left out",
-            "DIR/mav0/cam1/data.csv: 1 of 4 images have no image of cam0 within 1 ms and are left out",
+            "DIR/mav0/cam0/data.csv: 1 of 4 images have no image of cam1 within 1 ms and are skipped",
+            "DIR/mav0/cam1/data.csv: 1 of 4 images have no image of cam0 within 1 ms and are skipped",
         ]
     );
 }
@@ -111,7 +111,7 @@ fn one_camera() {
     let sequence = open_sequence(folder.path(), Some(Sensor::Mono)).unwrap();
     assert_eq!((sequence.sensor, sequence.warnings.len()), (Sensor::Mono, 0));
     assert!(sequence.frames.iter().all(|frame| frame.right.is_none()));
-    // Key-points are undistorted, images stay.
+    // Keypoints are undistorted, images stay.
     assert!(sequence.rectification.is_empty());
     let calibration = sequence.calibration.unwrap();
     assert_eq!((calibration.rig.camera.fx, calibration.rig.baseline_m), (30.0, 0.0));

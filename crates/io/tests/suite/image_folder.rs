@@ -67,8 +67,8 @@ fn left_and_right_folders_are_paired_by_their_numbers_and_rectified() {
     assert_eq!(
         sequence.warnings.iter().map(|warning| folder.hide(warning)).collect::<Vec<_>>(),
         [
-            "DIR/left: 1 of 4 images have no partner and are left out",
-            "DIR/right: 1 of 4 images have no partner and are left out"
+            "DIR/left: 1 of 4 images have no partner and are skipped",
+            "DIR/right: 1 of 4 images have no partner and are skipped"
         ]
     );
     let mono = open(&folder, Some(Sensor::Mono)).unwrap();

@@ -1,4 +1,4 @@
-//! Images survive writing and reading; colour becomes grey as in OpenCV.
+//! Images survive writing and reading; color becomes gray as in OpenCV.
 
 use dsslam_io::{ImageSize, Rgb};
 use geometry::{DepthImage, GrayImage};
@@ -31,10 +31,10 @@ fn depth_keeps_sixteen_bits() {
 }
 
 #[test]
-fn colour_becomes_gray() {
+fn color_becomes_gray() {
     let folder = Folder::new();
-    let colours = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [9, 9, 9], [255, 255, 255], [10, 200, 30]];
-    let image = Rgb::from_vec(3, 2, colours.to_vec()).unwrap();
+    let colors = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [9, 9, 9], [255, 255, 255], [10, 200, 30]];
+    let image = Rgb::from_vec(3, 2, colors.to_vec()).unwrap();
     dsslam_io::save_png_rgb(&folder.file("a.png"), &image).unwrap();
     // 10 * 0.299 + 200 * 0.587 + 30 * 0.114 = 123.81
     assert_eq!(dsslam_io::load_gray(&folder.file("a.png")).unwrap().data, [76, 150, 29, 9, 255, 124]);

@@ -155,8 +155,8 @@ fn without_a_calibration_file_the_configuration_must_help() {
     );
 }
 
-/// A folder with a colour pair only.
-fn colour_folder() -> Folder {
+/// A folder with a color pair only.
+fn color_folder() -> Folder {
     let folder = Folder::kitti(1);
     fs::rename(folder.file("image_0"), folder.file("image_2")).unwrap();
     fs::rename(folder.file("image_1"), folder.file("image_3")).unwrap();
@@ -165,25 +165,25 @@ fn colour_folder() -> Folder {
 }
 
 #[test]
-fn the_colour_pair_has_its_own_baseline() {
-    let folder = colour_folder();
+fn the_color_pair_has_its_own_baseline() {
+    let folder = color_folder();
     let sequence = open(&folder, None);
     assert_eq!(sequence.frames[0].right, Some(folder.file("image_3/000000.png")));
     assert!((sequence.calibration.unwrap().rig.baseline_m - 0.53).abs() < 1e-12, "(42 + 329) / 700");
 }
 
 #[test]
-fn ground_truth_moves_to_the_colour_camera() {
-    let folder = colour_folder();
+fn ground_truth_moves_to_the_color_camera() {
+    let folder = color_folder();
     // A quarter turn to the left about the vertical axis, at (1, 2, 3).
     folder.write("poses.txt", "0 0 -1 1 0 1 0 2 1 0 0 3\n");
     let pose = open(&folder, None).ground_truth.unwrap().poses[0].world_from_cam;
-    // The left colour camera stands 42 / 700 = 0.06 m to the left of camera 0: x_cam2 = x_cam0 + 0.06.
+    // The left color camera stands 42 / 700 = 0.06 m to the left of camera 0: x_cam2 = x_cam0 + 0.06.
     assert!((pose.translation - Vec3::new(1.0, 2.0, 3.0 - 0.06)).norm() < 1e-12);
 }
 
 #[test]
-fn grey_images_come_first() {
+fn gray_images_come_first() {
     let folder = Folder::kitti(1);
     folder.gray("image_2/000000.png", 40, 20);
     folder.gray("image_3/000000.png", 40, 20);
@@ -236,7 +236,7 @@ fn ground_truth_takes_the_times_of_the_frames() {
 
 #[test]
 fn a_named_ground_truth_takes_the_place_of_the_dataset_s_own() {
-    let folder = colour_folder();
+    let folder = color_folder();
     folder.write("poses.txt", IDENTITY_ROW);
     let truth_of = |text: String| {
         let options =

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use geometry::{DepthImage, GrayImage};
 use tempfile::TempDir;
 
-/// Projection matrices of a rectified pair: f 700, centre (20, 10), baseline 0.54 m, exact in binary.
+/// Projection matrices of a rectified pair: f 700, center (20, 10), baseline 0.54 m, exact in binary.
 pub(super) const P0: &str = "P0: 7.0e+02 0 20 0 0 7.0e+02 10 0 0 0 1 0";
 pub(super) const P1: &str = "P1: 7.0e+02 0 20 -378 0 7.0e+02 10 0 0 0 1 0";
 
@@ -15,7 +15,7 @@ pub(super) fn euroc_stamp(i: u64) -> u64 {
     1_403_636_589_763_555_584 + i * 50_000_000
 }
 
-/// An EuRoC camera of 40x20 pixels, `x_m` metres along x of the body; one field a line.
+/// An EuRoC camera of 40x20 pixels, `x_m` meters along x of the body; one field a line.
 pub(super) fn sensor_yaml(x_m: f64) -> String {
     format!(
         "# a camera\n\
@@ -48,7 +48,7 @@ impl Folder {
         Self(tempfile::tempdir().unwrap())
     }
 
-    /// A KITTI folder with `n` grey pairs of 40x20 pixels, ten frames a second.
+    /// A KITTI folder with `n` gray pairs of 40x20 pixels, ten frames a second.
     pub(super) fn kitti(n: u32) -> Self {
         let folder = Self::new();
         folder.write("calib.txt", format!("{P0}\n{P1}\n"));
@@ -61,10 +61,10 @@ impl Folder {
         folder
     }
 
-    /// A TUM folder with three colour and three depth images, 5 ms apart.
+    /// A TUM folder with three color and three depth images, 5 ms apart.
     pub(super) fn tum() -> Self {
         let folder = Self::new();
-        folder.write("rgb.txt", "# colour\n1.000 rgb/a.png\n1.100 rgb/b.png\n1.200 rgb/c.png\n");
+        folder.write("rgb.txt", "# color\n1.000 rgb/a.png\n1.100 rgb/b.png\n1.200 rgb/c.png\n");
         folder.write("depth.txt", "# depth\n1.005 depth/a.png\n1.105 depth/b.png\n1.205 depth/c.png\n");
         for name in ["a", "b", "c"] {
             folder.gray(&format!("rgb/{name}.png"), 40, 20);

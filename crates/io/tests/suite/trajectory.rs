@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use super::support::Folder;
 
-/// A curve of `n` poses with positions up to `scale` metres.
+/// A curve of `n` poses with positions up to `scale` meters.
 fn curve(n: u32, scale: f64) -> Trajectory {
     let poses = (0..n).map(|i| {
         let s = f64::from(i);
@@ -193,7 +193,7 @@ fn broken_kitti_files() {
     );
     assert_eq!(
         refused(Kitti, &format!("5 {row}\n5 {row}\n")),
-        "DIR/file:2: found time 5 after 5 of the entry before, expected strictly increasing times"
+        "DIR/file:2: found time 5 after 5 of the previous entry, expected strictly increasing times"
     );
     assert_eq!(
         refused(Kitti, "2 0 0 0 0 1 0 0 0 0 1 0\n"),
@@ -223,7 +223,7 @@ fn broken_tum_files() {
     );
     assert_eq!(
         refused(Tum, "1 0 0 0 0 0 0 1\n\n0.5 0 0 0 0 0 0 1\n"),
-        "DIR/file:3: found time 0.5 after 1 of the entry before, expected strictly increasing times"
+        "DIR/file:3: found time 0.5 after 1 of the previous entry, expected strictly increasing times"
     );
     assert_eq!(
         refused(Tum, "1 0 0 0 0 0 0 0\n"),
@@ -252,7 +252,7 @@ fn of_rows_with_one_time_the_first_is_kept() {
     );
     assert_eq!(
         refused(Tum, &(row(1.0, 1.0) + &row(1.0, 2.0) + &row(0.5, 3.0))),
-        "DIR/file:3: found time 0.5 after 1 of the entry before, expected strictly increasing times"
+        "DIR/file:3: found time 0.5 after 1 of the previous entry, expected strictly increasing times"
     );
 }
 

@@ -1,11 +1,11 @@
-//! TUM RGB-D folders: association of colour and depth, sensors, ground truth.
+//! TUM RGB-D folders: association of color and depth, sensors, ground truth.
 
 use dsslam_io::{OpenOptions, Sensor, SequenceKind, load_frame, open_sequence, open_sequence_with};
 
 use super::support::Folder;
 
 #[test]
-fn colour_with_depth() {
+fn color_with_depth() {
     let folder = Folder::tum();
     let sequence = open_sequence(folder.path(), None).unwrap();
     assert_eq!((sequence.kind, sequence.sensor), (SequenceKind::TumRgbd, Sensor::Rgbd));
@@ -18,7 +18,7 @@ fn colour_with_depth() {
 }
 
 #[test]
-fn colour_without_depth_is_left_out() {
+fn color_without_depth_is_left_out() {
     let folder = Folder::tum();
     folder.write("depth.txt", "1.005 depth/a.png\n1.175 depth/b.png\n1.205 depth/c.png\n");
     let sequence = open_sequence(folder.path(), None).unwrap();
@@ -27,7 +27,7 @@ fn colour_without_depth_is_left_out() {
     assert_eq!(sequence.frames[1].index, 1);
     assert_eq!(
         folder.hide(&sequence.warnings[0]),
-        "DIR/rgb.txt: 1 of 3 colour images have no depth image within 20 ms and are left out"
+        "DIR/rgb.txt: 1 of 3 color images have no depth image within 20 ms and are skipped"
     );
 }
 
@@ -41,12 +41,12 @@ fn the_tolerance_can_be_set() {
     assert_eq!(open(0.006).unwrap().frames.len(), 3);
     assert_eq!(
         folder.hide(open(0.004).unwrap_err()),
-        "DIR: sensor rgbd is not possible here: no colour image has a depth image within 4 ms"
+        "DIR: sensor rgbd is not possible here: no color image has a depth image within 4 ms"
     );
 }
 
 #[test]
-fn monocular_takes_all_colour_images() {
+fn monocular_takes_all_color_images() {
     let folder = Folder::tum();
     folder.write("depth.txt", "9.0 depth/a.png\n");
     let sequence = open_sequence(folder.path(), Some(Sensor::Mono)).unwrap();

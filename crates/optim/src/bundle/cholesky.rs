@@ -1,4 +1,4 @@
-//! Sparse Cholesky factorisation in dense blocks, one block row per free camera.
+//! Sparse Cholesky factorization in dense blocks, one block row per free camera.
 
 use simd::{Simd, Task};
 

@@ -42,7 +42,7 @@ pub struct BundleProblem {
     pub cameras: Vec<SE3>,
     /// Per camera whether it must not move.
     pub fixed: Vec<bool>,
-    /// Initial points in the world, metres.
+    /// Initial points in the world, meters.
     pub points: Vec<Vec3>,
     /// Measurements in any order.
     pub observations: Vec<BundleObservation>,
@@ -72,7 +72,7 @@ impl Default for BundleOptions {
 pub struct BundleSolution {
     /// Poses, cam_from_world; fixed ones unchanged.
     pub cameras: Vec<SE3>,
-    /// Points in the world, metres.
+    /// Points in the world, meters.
     pub points: Vec<Vec3>,
     /// Whitened squared error per observation, in input order; 1e6 where it is larger or the point is behind the camera.
     pub chi_sq: Vec<f64>,
@@ -83,7 +83,7 @@ pub struct BundleSolution {
     pub report: Report,
 }
 
-/// Minimises the reprojection errors over all points and free cameras (local and global bundle adjustment).
+/// Minimizes the reprojection errors over all points and free cameras (local and global bundle adjustment).
 ///
 /// Errors are capped at 1000 sigma, where they pull nothing; the same is counted for points behind their camera.
 /// Without a fixed camera the damping holds the gauge; a point that its observations do not determine moves only in the

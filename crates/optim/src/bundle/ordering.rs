@@ -11,7 +11,7 @@ pub(crate) struct Ordering {
     pub(crate) columns: Vec<Vec<u32>>,
 }
 
-/// Symmetric adjacency as one bit set per node; each is its own neighbour.
+/// Symmetric adjacency as one bit set per node; each is its own neighbor.
 pub(crate) struct Adjacency {
     n: usize,
     words: usize,
@@ -39,7 +39,7 @@ impl Adjacency {
         }
     }
 
-    /// Joins the neighbours of `node` into a clique, takes it out of the graph and returns them.
+    /// Joins the neighbors of `node` into a clique, takes it out of the graph and returns them.
     fn eliminate(&mut self, node: usize) -> Vec<u32> {
         let mut pivot = self.bits[node * self.words..][..self.words].to_vec();
         pivot[node / 64] &= !(1 << (node % 64));
@@ -56,7 +56,7 @@ impl Adjacency {
         self.bits[node * self.words..][..self.words].iter().map(|w| w.count_ones()).sum()
     }
 
-    /// Eliminates all nodes, fewest neighbours first.
+    /// Eliminates all nodes, fewest neighbors first.
     pub(crate) fn minimum_degree(mut self) -> Ordering {
         let n = self.n;
         let mut degree: Vec<u32> = (0..n).map(|i| self.degree(i)).collect();

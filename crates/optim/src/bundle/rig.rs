@@ -9,7 +9,7 @@ use geometry::{SE3, StereoRig, Vec6};
 use super::model::{Linearization, ObservationModel, Point};
 use crate::robust::{CHI2_MONO, CHI2_STEREO, Loss, MAX_CHI_SQ};
 
-/// Points nearer to the image plane than this count as behind the camera, metres.
+/// Points nearer to the image plane than this count as behind the camera, meters.
 pub(crate) const MIN_DEPTH_M: f64 = 1e-4;
 
 /// A pose with its matrix unpacked.
@@ -29,7 +29,7 @@ impl RigCamera {
         Self { cam_from_world, rotation, translation: cam_from_world.translation.into() }
     }
 
-    /// The point in the camera's frame, metres.
+    /// The point in the camera's frame, meters.
     #[inline(always)]
     pub fn transform(&self, point_world: &Point) -> [f64; 3] {
         let (r, t, x) = (&self.rotation, &self.translation, point_world);

@@ -53,7 +53,7 @@ pub struct Minimum<K> {
     pub stop: StopReason,
 }
 
-/// Minimises half the sum of (robust) squared errors over all points and free cameras.
+/// Minimizes half the sum of (robust) squared errors over all points and free cameras.
 ///
 /// Levenberg-Marquardt with Marquardt's diagonal scaling and Nielsen's gain-ratio damping (Madsen, Nielsen, Tingleff,
 /// "Methods for non-linear least squares problems", 2004, section 3.2). Each observation

@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 1e-8;
 /// The same where the solver comes to a standstill before.
 const REDUCED_TOLERANCE: f64 = 1e-6;
 
-/// The positions that minimise the loss, from the given ones; the problem has been checked.
+/// The positions that minimize the loss, from the given ones; the problem has been checked.
 pub(super) fn solve(problem: &TranslationProblem, start: &[Vec3]) -> Result<Vec<Vec3>, ConvexError> {
     if problem.edges.is_empty() {
         return Ok(start.to_vec());

@@ -11,9 +11,9 @@ pub struct TranslationEdge {
     pub a: u32,
     /// Node to which is measured.
     pub b: u32,
-    /// Position of `b` minus position of `a` along the world's axes, metres.
+    /// Position of `b` minus position of `a` along the world's axes, meters.
     pub translation: Vec3,
-    /// Standard deviation of each coordinate, metres.
+    /// Standard deviation of each coordinate, meters.
     pub sigma_m: f64,
 }
 
@@ -33,7 +33,7 @@ pub struct TranslationProblem {
 /// Positions that fit a [`TranslationProblem`] best.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TranslationFit {
-    /// Per node, metres; the fixed one at the origin.
+    /// Per node, meters; the fixed one at the origin.
     pub positions: Vec<Vec3>,
     /// Per edge the norm of its error over its sigma.
     pub residuals: Vec<f64>,
@@ -85,7 +85,7 @@ pub enum ConvexError {
     },
 }
 
-/// The positions that minimise the sum of Huber's losses of the norms of all errors, as a second-order cone program.
+/// The positions that minimize the sum of Huber's losses of the norms of all errors, as a second-order cone program.
 ///
 /// The loss is rotation invariant: `rho(r) = min over v >= 0 of (|r| - v)^2 / 2 + huber v`. On one thread; equal input gives
 /// equal bits.

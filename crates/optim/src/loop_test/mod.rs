@@ -30,9 +30,9 @@ pub struct CycleEdge {
     pub a: u32,
     /// Index of the second node.
     pub b: u32,
-    /// The measurement, metres.
+    /// The measurement, meters.
     pub b_from_a: SE3,
-    /// Standard deviation of each coordinate of its translation, metres; without what rotation errors elsewhere do to the
+    /// Standard deviation of each coordinate of its translation, meters; without what rotation errors elsewhere do to the
     /// position, which the test adds itself.
     pub sigma_m: f64,
     /// Standard deviation of its rotation about each axis, radians.
@@ -73,15 +73,15 @@ impl Default for LoopTestOptions {
 pub struct LoopNumbers {
     /// Edges of the cycle with the least variance of rotation, the candidate included.
     pub cycle_edges: usize,
-    /// Length of that cycle, metres.
+    /// Length of that cycle, meters.
     pub cycle_length_m: f64,
     /// Angle by which the cycle fails to close, degrees.
     pub rotation_closure_deg: f64,
     /// Standard deviation of each component of it, degrees.
     pub rotation_sigma_deg: f64,
-    /// Distance by which the cycle with the least variance of translation fails to close under averaged rotations, metres.
+    /// Distance by which the cycle with the least variance of translation fails to close under averaged rotations, meters.
     pub translation_closure_m: f64,
-    /// Standard deviation of each component of it, metres.
+    /// Standard deviation of each component of it, meters.
     pub translation_sigma_m: f64,
     /// Residual of the candidate after the fit, the larger of that in rotation and that in translation, sigma.
     pub candidate_residual: f64,

@@ -1,4 +1,4 @@
-//! Motion-only optimisation: the pose of one frame against fixed points, with outliers found on the way.
+//! Motion-only optimization: the pose of one frame against fixed points, with outliers found on the way.
 //!
 //! Instead of several restarts one descent: each stage continues from the pose of the last and rejudges all observations
 //! by a limit that tightens from stage to stage, so that gross outliers go first and anything may return. Huber's loss
@@ -18,7 +18,7 @@ use simd::Simd;
 /// A measurement of a known point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseObservation {
-    /// The point in the world, metres.
+    /// The point in the world, meters.
     pub point_world: Vec3,
     /// Undistorted pixel in the left image.
     pub pixel: Vec2,
@@ -142,7 +142,7 @@ struct Descent {
 }
 
 impl Descent {
-    /// Minimises over the observations within `limit_factor`; `false` where that would change nothing, or they are too few.
+    /// Minimizes over the observations within `limit_factor`; `false` where that would change nothing, or they are too few.
     fn stage(&mut self, limit_factor: f64, loss: Loss, options: &PoseOptions) -> bool {
         let active = self.packs.within(&self.cam_from_world, limit_factor);
         let n_active = active.iter().filter(|&&a| a).count();

@@ -1,4 +1,4 @@
-//! Pose graph optimisation: poses from measured motions between them, on SE(3), Sim(3) or SO(3).
+//! Pose graph optimization: poses from measured motions between them, on SE(3), Sim(3) or SO(3).
 
 mod edge;
 mod group;
@@ -66,13 +66,13 @@ pub struct PoseGraphSolution<G> {
     pub report: Report,
 }
 
-/// Minimises half the sum of (robust) whitened squared errors `log(b_from_a^-1 * b_from_world * a_from_world^-1)`.
+/// Minimizes half the sum of (robust) whitened squared errors `log(b_from_a^-1 * b_from_world * a_from_world^-1)`.
 ///
 /// Levenberg-Marquardt (Gauss-Newton with a safeguard, for the initial damping is tiny) with analytic Jacobians and sparse
-/// Cholesky factorisation. Each connected part of the graph without a fixed node keeps its lowest node in place, which fixes
+/// Cholesky factorization. Each connected part of the graph without a fixed node keeps its lowest node in place, which fixes
 /// the gauge; nodes without an edge stay. On one thread; equal input gives equal bits.
 ///
-/// Edges that say nothing are left out, and their `chi_sq` is NaN: an index out of range, `a == b`, a pose or measurement
+/// Edges that say nothing are skipped, and their `chi_sq` is NaN: an index out of range, `a == b`, a pose or measurement
 /// that is not finite, an information matrix that is not finite, not symmetric, zero or not positive semidefinite. Nodes
 /// beyond the end of `fixed` are free.
 pub fn refine_pose_graph<G, const D: usize>(

@@ -28,13 +28,13 @@ pub fn normal_vec3(random: &mut ChaCha8Rng, sigma: f64) -> Vec3 {
     Vec3::new(normal(random), normal(random), normal(random)) * sigma
 }
 
-/// exp of a random tangent vector with the given sigma in metres and radians.
+/// exp of a random tangent vector with the given sigma in meters and radians.
 pub fn small_motion(random: &mut ChaCha8Rng, sigma_m: f64, sigma_rad: f64) -> SE3 {
     let (rho, phi) = (normal_vec3(random, sigma_m), normal_vec3(random, sigma_rad));
     SE3::exp(&Vec6::new(rho.x, rho.y, rho.z, phi.x, phi.y, phi.z))
 }
 
-/// A pose whose difference from `b` is measured in metres and radians.
+/// A pose whose difference from `b` is measured in meters and radians.
 pub fn pose_difference(a: &SE3, b: &SE3) -> (f64, f64) {
     let d = (*a * b.inverse()).log();
     (d.fixed_rows::<3>(0).norm(), d.fixed_rows::<3>(3).norm())

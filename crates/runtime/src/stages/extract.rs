@@ -81,7 +81,7 @@ impl ExtractStage {
     }
 }
 
-/// Extracts features until no frame comes or nobody wants any more.
+/// Extracts features until no more frames come or the reader is gone.
 pub(crate) fn extract(job: &Job<'_>, fetched: &Receiver<Fetched>, to_track: &Sender<Extracted>) {
     let mut stage = ExtractStage::new(&job.plan);
     let mut faults = job.plan.faults("extract");

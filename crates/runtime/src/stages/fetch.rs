@@ -38,7 +38,7 @@ pub(crate) fn fetch(feed: &dyn FrameFeed, n: usize) -> Fetched {
     Passing { n, info, content: images.map(|images| (images, feed.mask(n))), watch }
 }
 
-/// Sends the first `frames` frames in order, each as soon as there is room, until nobody reads any more. Returns how many there are, as
+/// Sends the first `frames` frames in order, each as soon as there is room, until the reader is gone. Returns how many there are, as
 /// far as is known.
 pub(crate) fn ahead(
     feed: &dyn FrameFeed,

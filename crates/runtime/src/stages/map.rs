@@ -51,7 +51,7 @@ pub(crate) struct ComingLoop {
 pub(crate) struct ComingGlobal {
     /// Position of the frame of the loop that started it.
     pub(crate) n: usize,
-    /// The frame from which on it may be taken over.
+    /// The first frame at which it may be applied.
     pub(crate) due: usize,
     pub(crate) answer: Answer<GlobalQuestion, GlobalAnswer>,
 }
@@ -70,7 +70,7 @@ pub(crate) struct Out<'o> {
 }
 
 impl MapStage {
-    /// A stage that goes on with the world of the plan.
+    /// A stage that continues with the world of the plan.
     pub(crate) fn new(plan: &Plan, loops: Option<LoopService>, global: GlobalService) -> Self {
         MapStage {
             mapper: Mapper::new(plan.setup.slam.clone(), plan.world.clone()),
@@ -87,7 +87,7 @@ impl MapStage {
     /// Everything that a message from tracking asks for; with a rule after the corrections that are due by it.
     ///
     /// # Errors
-    /// When a service is gone or fails.
+    /// When a service thread has ended or fails.
     pub(crate) fn take_in(
         &mut self,
         message: &Message,
@@ -109,7 +109,7 @@ impl MapStage {
     /// Brings in what is still to come at the end of a run; not if the run is to stop.
     ///
     /// # Errors
-    /// When a service is gone or fails.
+    /// When a service thread has ended or fails.
     pub(crate) fn finish(&mut self, rule: Rule, stop: &AtomicBool, out: &mut Out<'_>) -> Result<(), Halt> {
         // The second time brings in the global solution that the first may have started.
         for _ in 0..2 {
@@ -252,7 +252,7 @@ impl MapStage {
         Ok(self.judge(coming.n, coming.keyframe, outcome, times, out))
     }
 
-    /// Notes what became of the search for a loop.
+    /// Records the outcome of the search for a loop.
     pub(crate) fn judge(
         &self,
         n: usize,
@@ -328,7 +328,7 @@ impl MapStage {
         }
     }
 
-    /// Starts a global bundle adjustment after the loop of frame `n`; one that is under way is given up.
+    /// Starts a global bundle adjustment after the loop of frame `n`; one that is under way is discarded.
     pub(crate) fn start_global(&mut self, n: usize, due: usize, out: &mut Out<'_>) -> Result<(), Halt> {
         if let Some(old) = self.coming_global.take() {
             self.discard(old.n, out);
@@ -343,7 +343,7 @@ impl MapStage {
         self.global.ask(self.snapshot())
     }
 
-    /// Notes that the global solution which the loop of frame `n` started was given up.
+    /// Notes that the global solution which the loop of frame `n` started was discarded.
     pub(crate) fn discard(&self, n: usize, out: &mut Out<'_>) {
         out.log.operations.push(Operation::Discard(n));
         out.log.statistics.globals_discarded += 1;

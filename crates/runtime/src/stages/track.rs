@@ -42,7 +42,7 @@ pub(crate) struct TrackLog {
     /// By position in the feed, without a gap.
     pub(crate) frames: Vec<TrackedFrame>,
     /// Times that a lost camera, or one in a map from a file, found its place again.
-    pub(crate) relocalisations: usize,
+    pub(crate) relocalizations: usize,
     /// Keyframes and points of the map that the last frame saw.
     map_size: (usize, usize),
 }
@@ -85,7 +85,7 @@ impl TrackStage {
         watch.add_to_last(extract_ms);
         let answer = answer(&frame, &tracked, &view, watch.last("track"));
         emit(Event::Frame(answer.clone()));
-        note_relocalisation(&tracked, &info, &view, log, emit);
+        note_relocalization(&tracked, &info, &view, log, emit);
         let map = &view.world.map;
         log.map_size = (map.n_keyframes(), map.n_points());
         let (status, timings) = (answer.status.clone(), watch.finish());
@@ -137,7 +137,7 @@ impl TrackLog {
 }
 
 /// Notices when a lost camera found its place again.
-fn note_relocalisation(
+fn note_relocalization(
     tracked: &Tracked,
     info: &FrameInfo,
     view: &View,
@@ -145,9 +145,9 @@ fn note_relocalisation(
     emit: &mut dyn FnMut(Event),
 ) {
     if let (true, Some(keyframe)) = (tracked.stats.relocalized, tracked.pose.map(|pose| pose.keyframe)) {
-        log.relocalisations += 1;
+        log.relocalizations += 1;
         let submap = view.world.map.submap_of(keyframe);
-        emit(Event::Relocalised { frame: info.index, keyframe, submap });
+        emit(Event::Relocalized { frame: info.index, keyframe, submap });
     }
 }
 

@@ -1,7 +1,7 @@
 //! An observer that writes the event stream of a run, on a thread of its own; it never makes the run wait.
 //!
 //! What a viewer cannot do without (poses, counts, texts) waits in a backlog while the writer is behind. Of the map only the newest
-//! state waits, since changes are found by comparing with what was written last; images and features of such frames are left out.
+//! state waits, since changes are found by comparing with what was written last; images and features of such frames are skipped.
 
 mod backlog;
 mod records;
@@ -22,13 +22,13 @@ use crate::words::Narrator;
 use backlog::Backlog;
 use worker::{Counting, Item, Worker};
 
-/// A writer that gets rid of no byte for so many seconds at the end of a run is given up.
+/// A writer that makes no progress for this many seconds at the end of a run is abandoned.
 const PATIENCE_S: u32 = 15;
 
 /// What is written, and how much of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamOptions {
-    /// Images and features of every so many frames; at least 1.
+    /// Images and features of every N-th frame; at least 1.
     pub image_every: u32,
     /// Widest image, pixels; wider ones are made smaller.
     pub image_width: usize,
@@ -44,7 +44,7 @@ impl Default for StreamOptions {
     }
 }
 
-/// What became of a stream.
+/// Outcome of a stream.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct StreamReport {
     /// Bytes written.
@@ -163,7 +163,7 @@ impl Patience {
     }
 
     fn given_up(&self, left_out: u64) -> StreamReport {
-        let broken = Some("the reader of the events does not read any more".to_owned());
+        let broken = Some("the reader of the events has stopped reading".to_owned());
         StreamReport { n_bytes: self.taken.load(Ordering::Relaxed), left_out, broken }
     }
 }

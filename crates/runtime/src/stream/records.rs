@@ -85,7 +85,7 @@ pub(super) fn features(details: &FrameDetails) -> Features {
         frame: details.info.index,
         pixels: pixels(frame),
         states,
-        activations: frame.activation.iter().map(|a| quantised(*a)).collect(),
+        activations: frame.activation.iter().map(|a| quantized(*a)).collect(),
     }
 }
 
@@ -100,12 +100,12 @@ pub(super) fn activation(frame: u32, map: &features::ActivationMap) -> Activatio
     ActivationMap {
         frame,
         size: [count(values.width), count(values.height)],
-        values: values.data.iter().map(|value| quantised(*value)).collect(),
+        values: values.data.iter().map(|value| quantized(*value)).collect(),
     }
 }
 
 /// A share of 0 to 1 as 0 to 255.
-fn quantised(share: f32) -> u8 {
+fn quantized(share: f32) -> u8 {
     (share.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 

@@ -88,7 +88,7 @@ impl Worker {
         worker
     }
 
-    /// Writes until nobody sends any more. After the target has failed items are taken and forgotten.
+    /// Writes until the senders are gone. After the target has failed, items are received and dropped.
     pub(super) fn work(mut self, items: &Receiver<Item>) -> StreamReport {
         for item in items {
             if self.stream.is_none() {
@@ -155,8 +155,10 @@ impl Worker {
     fn look_at_room(&mut self) {
         let (n, max) = (self.report.n_bytes, self.options.max_bytes);
         let (room, text) = match () {
-            () if n >= max => (Room::Poses, "the event stream is full: no more changes of the map"),
-            () if n >= max / 4 * 3 => (Room::MapAndPoses, "the event stream is almost full: no more images"),
+            () if n >= max => (Room::Poses, "the event stream is full: map changes are no longer written"),
+            () if n >= max / 4 * 3 => {
+                (Room::MapAndPoses, "the event stream is almost full: images are no longer written")
+            }
             () => return,
         };
         if room > self.room {

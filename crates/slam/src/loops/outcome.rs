@@ -1,4 +1,4 @@
-//! What became of the search for a loop, as values with numbers.
+//! Outcome of the search for a loop, as values with numbers.
 
 use std::fmt;
 
@@ -90,9 +90,12 @@ pub enum NoLoop {
 impl fmt::Display for NoLoop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            NoLoop::NoPlaces => f.write_str("places are not described"),
+            NoLoop::NoPlaces => f.write_str("place recognition is off"),
             NoLoop::TooEarly { keyframes, needed } => {
-                write!(f, "only {keyframes} keyframes since the start or the last loop, {needed} are needed")
+                write!(
+                    f,
+                    "only {keyframes} keyframes since the start or the last loop, at least {needed} needed"
+                )
             }
             NoLoop::Alone { best_score, min_score } => {
                 write!(f, "no other place looks alike (best score {best_score:.3}, needed {min_score:.3})")
@@ -107,10 +110,10 @@ impl fmt::Display for NoLoop {
                 write!(f, "no motion explains the matches: {found} of {needed} inliers")
             }
             NoLoop::TooFewInliers { found, needed, visible } => {
-                write!(f, "too few of {visible} visible points are found: {found} of {needed}")
+                write!(f, "too few of the {visible} visible points were found: {found} of {needed}")
             }
             NoLoop::Scale { scale, limit } => {
-                write!(f, "lengths changed by a factor of {scale:.3}, believable is at most {limit:.3}")
+                write!(f, "the scale changed by a factor of {scale:.3}, at most {limit:.3} is plausible")
             }
             NoLoop::Inconsistent { reason, numbers } => contradiction(f, reason, numbers),
         }
@@ -121,7 +124,7 @@ fn contradiction(f: &mut fmt::Formatter<'_>, reason: &Inconsistency, numbers: &L
     let (edges, length_m) = (numbers.cycle_edges, numbers.cycle_length_m);
     match reason {
         Inconsistency::BadInput { edge } => write!(f, "edge {edge} of the loop's cycle has unusable numbers"),
-        Inconsistency::NoCycle => f.write_str("it closes no cycle that it could be tested against"),
+        Inconsistency::NoCycle => f.write_str("it closes no cycle against which it could be tested"),
         Inconsistency::Rotation { sigmas } => write!(
             f,
             "it contradicts the path between the visits: the cycle of {edges} edges and {length_m:.1} m fails to close \

@@ -35,7 +35,7 @@ impl Mapper {
         };
         let mut targets = Vec::new();
         for (first, _) in best(keyframe, self.params.neighbours()) {
-            let second = best(first, mapping.second_neighbours).into_iter().map(|(id, _)| id);
+            let second = best(first, mapping.second_neighbors).into_iter().map(|(id, _)| id);
             for id in std::iter::once(first).chain(second) {
                 if id != keyframe && !targets.contains(&id) {
                     targets.push(id);

@@ -46,7 +46,7 @@ pub struct Mapper {
 }
 
 impl Mapper {
-    /// A mapper that goes on with a world, usually [`World::new`].
+    /// A mapper that continues with a world, usually [`World::new`].
     pub fn new(params: Params, world: World) -> Self {
         Mapper { world, params, young: Vec::new() }
     }

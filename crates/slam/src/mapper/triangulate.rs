@@ -28,16 +28,16 @@ impl Mapper {
             Some(kf) => kf.best_covisible(self.params.neighbours()).to_vec(),
             None => return 0,
         };
-        neighbours.into_iter().map(|(neighbour, _)| self.triangulate_with(keyframe, neighbour)).sum()
+        neighbours.into_iter().map(|(neighbor, _)| self.triangulate_with(keyframe, neighbor)).sum()
     }
 
-    fn triangulate_with(&mut self, keyframe: KeyframeId, neighbour: KeyframeId) -> usize {
-        let (Some(a), Some(b)) = (self.world.map.keyframe(keyframe), self.world.map.keyframe(neighbour))
+    fn triangulate_with(&mut self, keyframe: KeyframeId, neighbor: KeyframeId) -> usize {
+        let (Some(a), Some(b)) = (self.world.map.keyframe(keyframe), self.world.map.keyframe(neighbor))
         else {
             return 0;
         };
         let (view_a, view_b) = (View::new(a), View::new(b));
-        let Some((min_depth_m, max_depth_m)) = self.depth_range(&view_a, &view_b, neighbour) else {
+        let Some((min_depth_m, max_depth_m)) = self.depth_range(&view_a, &view_b, neighbor) else {
             return 0;
         };
         let unmatched: Vec<u32> = (0..a.frame.len() as u32).filter(|&i| a.point_at(i).is_none()).collect();
@@ -55,7 +55,7 @@ impl Mapper {
                 let position = locate(&view_a, feature_a as usize, &view_b, feature_b as usize)?;
                 let observations = vec![
                     Observation { keyframe, feature: feature_a },
-                    Observation { keyframe: neighbour, feature: feature_b },
+                    Observation { keyframe: neighbor, feature: feature_b },
                 ];
                 Some(NewPoint { position, observations })
             })
@@ -71,10 +71,10 @@ impl Mapper {
     }
 
     /// Depths at which two keyframes can see points; `None` when they are too near to each other to tell.
-    fn depth_range(&self, a: &View<'_>, b: &View<'_>, neighbour: KeyframeId) -> Option<(f64, f64)> {
+    fn depth_range(&self, a: &View<'_>, b: &View<'_>, neighbor: KeyframeId) -> Option<(f64, f64)> {
         let distance = (a.center - b.center).norm();
         if self.params.camera.sensor.is_scale_free() {
-            let depth = median_depth(&self.world.map, neighbour)?;
+            let depth = median_depth(&self.world.map, neighbor)?;
             (distance >= MIN_PARALLAX * depth).then_some((MIN_RELATIVE_DEPTH * depth, f64::INFINITY))
         } else {
             let baseline_m = a.frame.rig.stereo.baseline_m;

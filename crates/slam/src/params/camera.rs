@@ -29,13 +29,13 @@ pub struct CameraParams {
     pub max_lost_frames: u32,
     /// [`TrackingParams::keyframe_ratio`](super::TrackingParams) where that is absent.
     pub keyframe_ratio: f64,
-    /// [`MappingParams::neighbours`](super::MappingParams) where that is absent.
+    /// [`MappingParams::neighbors`](super::MappingParams) where that is absent.
     pub neighbours: usize,
     /// Length of a meter in the map: 1 where lengths are meters.
     pub unit: f64,
     /// Drift that is expected, meters per meter of path (standard deviation).
     pub drift_sigma: f64,
-    /// Drift that is believed at all when places are looked for, meters per meter of path.
+    /// Maximum plausible drift when places are looked for, meters per meter of path.
     pub max_drift: f64,
     /// Added to it: how far two views of one place can be apart, meters.
     pub prior_margin_m: f64,

@@ -48,5 +48,5 @@ impl Default for LoopParams {
 
 impl Section for LoopParams {
     const KEYS: &'static [Entry] =
-        &[flag("loops.enabled", "look for places seen before and correct the map; needs a vocabulary")];
+        &[flag("loops.enabled", "recognize places seen before and correct the map; needs a vocabulary")];
 }

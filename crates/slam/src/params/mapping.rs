@@ -18,7 +18,7 @@ pub struct MappingParams {
     /// Young points found in less than this share of the frames that should see them are dropped.
     pub point_found_ratio: f64,
     /// Second-order neighbors of each neighbor in fusion.
-    pub second_neighbours: usize,
+    pub second_neighbors: usize,
     /// Shared points from which two keyframes are optimized together.
     pub min_covisible_weight: u32,
     /// Keyframes that the local bundle adjustment moves at most.
@@ -35,7 +35,7 @@ impl Default for MappingParams {
             local_ba_second_iterations: 10,
             keyframe_cull_ratio: 0.9,
             point_found_ratio: 0.25,
-            second_neighbours: 5,
+            second_neighbors: 5,
             min_covisible_weight: 15,
             max_local_keyframes: 40,
             min_depth_points: 100,
@@ -46,10 +46,10 @@ impl Default for MappingParams {
 #[rustfmt::skip]
 impl Section for MappingParams {
     const KEYS: &'static [Entry] = &[
-        optional_integer("mapping.neighbours", "keyframes", [1, 100], "covisible keyframes with which a new one is triangulated and fused; absent: 10, monocular 20"),
+        optional_integer("mapping.neighbours", "keyframes", [1, 100], "number of covisible keyframes used to triangulate and fuse a new one; absent: 10, monocular 20"),
         integer("mapping.local_ba_first_iterations", "", [1, 1000], "local bundle adjustment: iterations with the robust kernel").expert(),
-        integer("mapping.local_ba_second_iterations", "", [0, 1000], "local bundle adjustment: iterations after outliers are gone").expert(),
-        real("mapping.keyframe_cull_ratio", "", between(0.1, 1.0), "a keyframe goes when more of its points are seen by three others").expert(),
-        real("mapping.point_found_ratio", "", between(0.0, 1.0), "a young point goes when it is found in fewer of the frames that should see it").expert(),
+        integer("mapping.local_ba_second_iterations", "", [0, 1000], "local bundle adjustment: iterations after outliers are removed").expert(),
+        real("mapping.keyframe_cull_ratio", "", between(0.1, 1.0), "a keyframe is culled when more than this fraction of its points is seen by three others").expert(),
+        real("mapping.point_found_ratio", "", between(0.0, 1.0), "a recent point is culled when it is found in less than this fraction of the frames that should see it").expert(),
     ];
 }

@@ -25,9 +25,9 @@ impl Default for Weights {
 #[rustfmt::skip]
 impl Section for Weights {
     const KEYS: &'static [Entry] = &[
-        flag("weights.ransac", "samples and scores of RANSAC are weighted by the activation of features").expert(),
-        flag("weights.optimisation", "observations count in optimisation as far as their features are trusted").expert(),
-        flag("weights.words", "words of a frame count as far as their features are trusted").expert(),
+        flag("weights.ransac", "samples and scores of RANSAC are weighted by activation").expert(),
+        flag("weights.optimisation", "observations are weighted by activation in optimization").expert(),
+        flag("weights.words", "bag-of-words entries of a frame are weighted by activation").expert(),
     ];
 }
 

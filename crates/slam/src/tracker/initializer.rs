@@ -16,7 +16,7 @@ use crate::seed::SeedPurpose;
 
 /// Features that a frame needs to take part.
 const MIN_FEATURES: usize = 100;
-/// Matches below which the search begins anew with the present frame.
+/// Matches below which the search restarts with the current frame.
 const MIN_MATCHES: usize = 100;
 /// Points that the finished pair must have.
 const MIN_POINTS: usize = 100;
@@ -77,11 +77,11 @@ impl fmt::Display for NoPair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NoPair::TooFewFeatures { found, needed } => {
-                write!(f, "the frame has {found} features, {needed} are needed")
+                write!(f, "the frame has {found} features, {needed} needed")
             }
-            NoPair::First => f.write_str("the first of two views is chosen"),
+            NoPair::First => f.write_str("the first of two views was chosen"),
             NoPair::TooFewMatches { found, needed } => {
-                write!(f, "too few matches with the first view: {found} of {needed}; it is chosen anew")
+                write!(f, "too few matches with the first view: {found} of {needed}; choosing a new one")
             }
             NoPair::TwoView(failure) => write!(f, "{failure}"),
             NoPair::TooFewPoints { found, needed } => {
@@ -109,7 +109,7 @@ impl Initializer {
     /// Tries `frame` as the second view of the first one in `slot`.
     ///
     /// # Errors
-    /// Why there is no pair yet; `slot` then holds what the next frame goes on with.
+    /// Why there is no pair yet; `slot` then holds what the next frame continues with.
     pub(super) fn advance(
         slot: &mut Option<Initializer>,
         frame: &Arc<Frame>,

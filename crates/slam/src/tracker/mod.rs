@@ -28,7 +28,7 @@ use local_map::{LocalMap, LocallyTracked};
 use motion_model::MotionModel;
 use predict::Attempt;
 
-/// What became of a frame.
+/// Outcome of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrackState {
     /// There is no map yet, and this frame cannot start one.
@@ -90,7 +90,7 @@ pub struct KeyframeRequest {
 /// The answer of the tracker for one frame.
 #[derive(Clone, Debug)]
 pub struct Tracked {
-    /// What became of the frame.
+    /// Outcome of the frame.
     pub state: TrackState,
     /// The pose, of a lost frame the last one known; `None` without a map, or while the first keyframe is being made.
     pub pose: Option<RelativePose>,

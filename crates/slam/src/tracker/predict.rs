@@ -16,7 +16,7 @@ use crate::world::World;
 
 /// Windows tried in turn, in units of the usual radius.
 const WIDENINGS: [f32; 3] = [1.0, 2.0, 4.0];
-/// Points looked for at most; features with depth that are no map points fill up what map points leave.
+/// Points looked for at most; features with depth but without a map point fill the remaining places.
 const MAX_SOURCES: usize = 600;
 
 /// A pose with the matches that it was found with.
@@ -113,7 +113,7 @@ struct Source {
     /// Feature of the last frame.
     feature: u32,
     position: Vec3,
-    /// `None` for a feature that has depth but is no map point.
+    /// `None` for a feature that has depth but no map point.
     id: Option<PointId>,
 }
 

@@ -184,7 +184,7 @@ pub(crate) fn params() -> Params {
     Params::stereo(20.0, 10.0)
 }
 
-/// A mapper that goes on with a map, without a vocabulary.
+/// A mapper that continues with a map, without a vocabulary.
 pub(crate) fn mapper(map: Map, params: &Params) -> Mapper {
     Mapper::new(params.clone(), World { map, places: KeyframeDatabase::default() })
 }

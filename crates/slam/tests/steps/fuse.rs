@@ -137,7 +137,7 @@ fn neighbors_of_first_and_second_order_are_looked_at_once() {
         mapper(map.clone(), params).fusion_targets(KeyframeId(2)).iter().map(|id| id.0).collect()
     };
     assert_eq!(targets(&few, &map), vec![1, 0, 3, 4]);
-    few.mapping.second_neighbours = 0;
+    few.mapping.second_neighbors = 0;
     assert_eq!(targets(&few, &map), vec![1, 3]);
     few.mapping.neighbours = Some(1);
     assert_eq!(targets(&few, &map), vec![1]);

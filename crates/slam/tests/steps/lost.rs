@@ -20,5 +20,5 @@ fn reasons_say_what_was_found_and_needed() {
     let lost = Lost::TooFewLocalInliers { found: 12, needed: 30 };
     assert_eq!(lost.to_string(), "the local map confirms too few points: 12 of 30");
     let early = NotReady::TooFewDepths { found: 3, needed: 100, features: 40 };
-    assert_eq!(early.to_string(), "the map cannot start: 3 of 40 features have a depth, 100 are needed");
+    assert_eq!(early.to_string(), "the map cannot start: 3 of 40 features have a depth, 100 needed");
 }

@@ -90,7 +90,7 @@ fn the_last_motion_goes_on() {
     let found = predicted(&pose, Some(pose), &all(N), &params()).unwrap();
     assert!(gap(&found.cam_from_world, &pose) < 1e-3);
     let expected: Vec<(u32, PointId)> = (0..N as u32 / 2).map(|i| (i, PointId(i))).collect();
-    assert_eq!(found.matches, expected, "features with depth help, but are no map points");
+    assert_eq!(found.matches, expected, "features with depth help, but are not map points");
     assert_eq!(found.attempt, Attempt::Motion);
     let lost = predicted(&pose, None, &all(N), &params()).unwrap_err();
     assert_eq!(lost, Lost::TooFewMatches { found: 0, needed: 20 });
@@ -110,7 +110,7 @@ fn twenty_matches_and_a_third_of_them_as_inliers_are_needed() {
     assert!(predicted(&pose, None, &all(20), &params()).is_ok());
     let lost = predicted(&pose, None, &all(19), &params()).unwrap_err();
     assert_eq!(lost, Lost::TooFewMatches { found: 19, needed: 20 });
-    // Of 60 matches those that went apart in all directions are no inliers.
+    // Of 60 matches those that went apart in all directions are not inliers.
     let spoilt = |n: usize| {
         let mut shots = all(N);
         shots[..n].iter_mut().enumerate().for_each(|(i, s)| {

@@ -16,7 +16,7 @@ fn cameras_points_and_observations_are_those_of_the_map() {
     let keyframes = vec![KeyframeId(2), KeyframeId(8), KeyframeId(0)];
     let MapProblem { problem, keyframes, points } =
         MapProblem::new(&map, keyframes, points, NOISE, |id| id == KeyframeId(0)).unwrap();
-    // Ids that are not in the map are left out; the other observer comes last and is fixed.
+    // Ids that are not in the map are skipped; the other observer comes last and is fixed.
     assert_eq!(keyframes, [2, 0, 1].map(KeyframeId));
     assert_eq!(points, [4, 1].map(PointId));
     assert_eq!(problem.fixed, [false, true, true]);

@@ -33,7 +33,7 @@ pub(crate) fn describe(_: Avx2, data: &[u8], stride: usize, offset: usize, cos: 
 }
 
 #[target_feature(enable = "avx2")]
-unsafe fn compare(centre: *const u8, stride: i32, cos: f32, sin: f32) -> Descriptor {
+unsafe fn compare(center: *const u8, stride: i32, cos: f32, sin: f32) -> Descriptor {
     let (cos, sin, stride) = (_mm256_set1_ps(cos), _mm256_set1_ps(sin), _mm256_set1_epi32(stride));
     let places = |k: usize, i: usize| {
         // SAFETY: `i + 8 <= 256`.
@@ -60,7 +60,7 @@ unsafe fn compare(centre: *const u8, stride: i32, cos: f32, sin: f32) -> Descrip
         }
         for i in 0..64 {
             // SAFETY: see `describe`.
-            let (a, b) = unsafe { (*centre.offset(first[i] as isize), *centre.offset(second[i] as isize)) };
+            let (a, b) = unsafe { (*center.offset(first[i] as isize), *center.offset(second[i] as isize)) };
             *word |= u64::from(a < b) << i;
         }
     }

@@ -51,7 +51,7 @@ unsafe fn score_blocks(rows: [*const u8; 7], first: usize, end: usize, threshold
     }
 }
 
-/// Whether any of 32 pixels can be a bright or a dark corner: an arc of nine holds two neighbours of the four ring pixels at
+/// Whether any of 32 pixels can be a bright or a dark corner: an arc of nine holds two neighbors of the four ring pixels at
 /// right angles, and likewise of the four diagonal ones.
 ///
 /// # Safety
@@ -60,8 +60,8 @@ unsafe fn score_blocks(rows: [*const u8; 7], first: usize, end: usize, threshold
 #[target_feature(enable = "avx2")]
 unsafe fn find_candidates(rows: &[*const u8; 7], x: usize, limit: __m256i) -> (bool, bool) {
     // SAFETY: the caller's.
-    let centre = unsafe { load(rows[RADIUS].add(x)) };
-    let (high, low) = (_mm256_adds_epu8(centre, limit), _mm256_subs_epu8(centre, limit));
+    let center = unsafe { load(rows[RADIUS].add(x)) };
+    let (high, low) = (_mm256_adds_epu8(center, limit), _mm256_subs_epu8(center, limit));
     let mut bright = _mm256_set1_epi8(-1);
     let mut dark = bright;
     for start in [0, 2] {
@@ -85,8 +85,8 @@ unsafe fn find_candidates(rows: &[*const u8; 7], x: usize, limit: __m256i) -> (b
 #[target_feature(enable = "avx2")]
 unsafe fn score_block(rows: &[*const u8; 7], x: usize, limit: __m256i, bright: bool, dark: bool) -> __m256i {
     // SAFETY: the caller's.
-    let centre = unsafe { load(rows[RADIUS].add(x)) };
-    let mut ring = [centre; 16];
+    let center = unsafe { load(rows[RADIUS].add(x)) };
+    let mut ring = [center; 16];
     // Plain loops: a closure handed to a library function would lose the vector instructions.
     for (i, value) in ring.iter_mut().enumerate() {
         // SAFETY: the caller's.
@@ -94,10 +94,10 @@ unsafe fn score_block(rows: &[*const u8; 7], x: usize, limit: __m256i, bright: b
     }
     let mut best = _mm256_setzero_si256();
     if bright {
-        best = _mm256_subs_epu8(brightest_arc(&ring), centre);
+        best = _mm256_subs_epu8(brightest_arc(&ring), center);
     }
     if dark {
-        best = _mm256_max_epu8(best, _mm256_subs_epu8(centre, darkest_arc(&ring)));
+        best = _mm256_max_epu8(best, _mm256_subs_epu8(center, darkest_arc(&ring)));
     }
     let too_low = _mm256_cmpeq_epi8(_mm256_subs_epu8(best, limit), _mm256_setzero_si256());
     _mm256_andnot_si256(too_low, _mm256_subs_epu8(best, _mm256_set1_epi8(1)))
@@ -149,7 +149,7 @@ pub(crate) fn local_maxima(_: Avx2, rows: [&[u8]; 3], first: usize, end: usize, 
 #[target_feature(enable = "avx2")]
 unsafe fn find_maxima(rows: [&[u8]; 3], first: usize, end: usize, places: &mut Vec<u16>) {
     let [above, middle, below] = [rows[0].as_ptr(), rows[1].as_ptr(), rows[2].as_ptr()];
-    // Of two neighbours at most one is a maximum; two more are written in vain.
+    // Of two neighbors at most one is a maximum; two more are written in vain.
     places.resize(end.saturating_sub(first) + 4, 0);
     let mut n = 0;
     for x in (first..end).step_by(32) {
@@ -161,7 +161,7 @@ unsafe fn find_maxima(rows: [&[u8]; 3], first: usize, end: usize, places: &mut V
                 (ends, _mm256_max_epu8(ends, load(row.add(x))))
             };
             let around = _mm256_max_epu8(_mm256_max_epu8(three(above).1, three(below).1), three(middle).0);
-            // Where the larger one is the neighbour, or both are zero, there is no maximum.
+            // Where the larger one is the neighbor, or both are zero, there is no maximum.
             let larger = _mm256_max_epu8(scores, around);
             !_mm256_movemask_epi8(_mm256_cmpeq_epi8(larger, around)) as u32
         };
@@ -204,12 +204,12 @@ unsafe fn score_nine(rows: &[&[u8]; 9], x: usize) -> [u8; 16] {
         let twelve = _mm_insert_epi32(_mm_insert_epi32(_mm_cvtsi32_si128(four(0)), four(1), 1), four(2), 2);
         _mm256_xor_si256(_mm256_broadcastsi128_si256(twelve), negative)
     };
-    let centre = at(RADIUS, RADIUS);
-    let mut ring = [centre; 16];
+    let center = at(RADIUS, RADIUS);
+    let mut ring = [center; 16];
     for (value, (dx, dy)) in ring.iter_mut().zip(RING) {
         *value = at(dx, dy);
     }
-    let both = _mm256_subs_epu8(brightest_arc(&ring), centre);
+    let both = _mm256_subs_epu8(brightest_arc(&ring), center);
     let best = _mm_max_epu8(_mm256_castsi256_si128(both), _mm256_extracti128_si256(both, 1));
     let mut scores = [0; 16];
     // SAFETY: the array has the size of the vector.

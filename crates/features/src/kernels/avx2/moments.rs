@@ -5,7 +5,7 @@ use crate::kernels::moments::{HALF_WIDTH, RADIUS};
 use simd::Avx2;
 use std::arch::x86_64::*;
 
-/// Factors of the pixels of each row, from 15 left of the centre to 16 right of it: dx, and dy; 0 outside of the disc.
+/// Factors of the pixels of each row, from 15 left of the center to 16 right of it: dx, and dy; 0 outside of the disc.
 static FACTORS: [[[i8; 32]; 2]; 2 * RADIUS + 1] = factors();
 
 const fn factors() -> [[[i8; 32]; 2]; 2 * RADIUS + 1] {

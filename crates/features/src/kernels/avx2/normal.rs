@@ -13,7 +13,7 @@ pub(crate) fn sums(_: Avx2, patch: &Patch, rows: &[Row<'_>; SIDE], offset: i16, 
 }
 
 /// Eight lanes hold the sums of two pixels each. Sums weighted by the number of rows left are made by adding up the sums so
-/// far after each row. With differences below 64 grey levels and derivatives below 128 no lane overflows.
+/// far after each row. With differences below 64 gray levels and derivatives below 128 no lane overflows.
 #[target_feature(enable = "avx2")]
 unsafe fn add_rows(patch: &Patch, rows: &[Row<'_>; SIDE], offset: i16, robust: bool) -> IntegerSums {
     let offset = _mm256_set1_epi16(offset);

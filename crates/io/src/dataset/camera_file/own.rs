@@ -11,7 +11,7 @@ use crate::file::{TextFile, counted, shown};
 
 const MODELS: &str = "pinhole-radtan, kannala-brandt or none";
 const CAMERAS: &str = "a list of one camera, or of the left and the right one";
-const MOTION: &str = "3 rows of 4 numbers (rotation and translation in metres: x_right = R x_left + t)";
+const MOTION: &str = "3 rows of 4 numbers (rotation and translation in meters: x_right = R x_left + t)";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

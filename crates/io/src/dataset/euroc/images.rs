@@ -47,7 +47,7 @@ impl ImageList {
                 return Err(line.error("no file name", EXPECTED));
             }
             if let Some(before) = images.last().map(|image| image.nanoseconds).filter(|&b| nanoseconds <= b) {
-                let found = format!("time {nanoseconds} after {before} of the entry before");
+                let found = format!("time {nanoseconds} after {before} of the previous entry");
                 return Err(line.error(found, "strictly increasing times"));
             }
             images.push(Image { nanoseconds, line: line.number, path: camera.join("data").join(name) });
@@ -131,7 +131,7 @@ pub(super) fn pair<'a>(
         let n_single = list.images.len() - pairs.len();
         if n_single > 0 {
             warnings.push(format!(
-                "{}: {n_single} of {} have no image of {other} within {} ms and are left out",
+                "{}: {n_single} of {} have no image of {other} within {} ms and are skipped",
                 list.file.display(),
                 counted(list.images.len(), "image"),
                 PAIR_TOLERANCE_S * 1e3,

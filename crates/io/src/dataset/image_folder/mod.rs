@@ -208,7 +208,7 @@ fn pair_frames(
         let n_single = n_images - pairs.len();
         if n_single > 0 {
             warnings.push(format!(
-                "{}: {n_single} of {} have no partner and are left out",
+                "{}: {n_single} of {} have no partner and are skipped",
                 folder.display(),
                 counted(n_images, "image")
             ));
