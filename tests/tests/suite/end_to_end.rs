@@ -86,6 +86,7 @@ fn the_results_folder_is_complete() {
     names.sort();
     let expected = [
         "config.yaml",
+        "evaluation.json",
         "frames.csv",
         "ground_truth.tum.txt",
         "loops.csv",
