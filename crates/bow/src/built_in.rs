@@ -7,7 +7,7 @@ use crate::vocabulary::Vocabulary;
 #[repr(C, align(64))]
 struct Aligned<T: ?Sized>(T);
 
-static BYTES: &Aligned<[u8]> = &Aligned(*include_bytes!("../../../vocab/orb.dbow"));
+static BYTES: &Aligned<[u8]> = &Aligned(*include_bytes!("../orb.dbow"));
 
 impl Vocabulary {
     /// The built-in vocabulary: nothing to find, nothing to copy. Checks every byte, so keep it.
