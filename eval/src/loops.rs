@@ -199,6 +199,6 @@ mod tests {
         assert_eq!(message("0,2\n0,0"), "row 1 of the matrix: found '2', expected 0 or 1");
         let truth = LoopTruth::from_matrix_text("0 0\n0 0").unwrap();
         let message = score_loops(&[(1, 2)], &truth).unwrap_err().to_string();
-        assert_eq!(message, "detection 1 -> 2 names a frame beyond the 2 of the ground truth");
+        assert_eq!(message, "detection 1 -> 2 names a frame beyond the 2 frames of the ground truth");
     }
 }

@@ -244,7 +244,7 @@ mod tests {
     fn frames_without_a_pose_are_named_with_their_reason() {
         let records = [record(3, Some(0.0)), record(4, None), record(5, Some(1.0))];
         let expected =
-            WithoutPose { frame: 4, state: "dropped", reason: "there is no left image".to_owned() };
+            WithoutPose { frame: 4, state: "dropped", reason: "the left image is missing".to_owned() };
         assert_eq!(frames_without_pose(&records), [expected]);
     }
 }

@@ -35,7 +35,7 @@ fn unknown_key() {
         refused("feature:\n  keep: 8\n"),
         "DIR/c.yaml:2:9: feature.keep: unknown key, did you mean features.keep?"
     );
-    assert_eq!(refused("color: blue\n"), "DIR/c.yaml:1:9: color: unknown key");
+    assert_eq!(refused("color: blue\n"), "DIR/c.yaml:1:8: color: unknown key");
     assert_eq!(
         refused_set("features.kep=500"),
         "--set features.kep=500: features.kep: unknown key, did you mean features.keep?"
