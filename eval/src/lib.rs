@@ -33,7 +33,7 @@ pub use drift::{
 };
 pub use evaluation::{Estimate, Evaluation, EvaluationOptions, LostFrames, Matched, Subject};
 pub use loops::{LoopScore, LoopTruth, SamePlace, score_loops};
-pub use places::{Host, Settings};
+pub use places::{Host, OpenNetwork, ReadSettings, Settings};
 pub use precision_recall::{Detection, PrecisionRecall, PrecisionRecallCurve, precision_recall};
 pub use rpe::{DeltaUnit, PairMode, RpeOptions, RpeReport, rpe};
 pub use scale_drift::{ScaleDrift, ScaleWindow, scale_drift};

@@ -1,6 +1,7 @@
 //! SLAM on a folder of images, a video or a camera, with what the program tells while it runs.
 //!
 //!     cargo run -p dsslam --release --example 01_folder -- path/to/kitti/sequences/06 trajectory.txt
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for people")]
 
 use std::error::Error;
 use std::path::Path;

@@ -1,6 +1,7 @@
 //! SLAM on images that your own program has in memory: push them one by one, get a pose for each.
 //!
 //!     cargo run -p dsslam --release --example 02_push_images -- cameras.yaml path/to/left path/to/right
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for people")]
 
 use std::error::Error;
 use std::fs;

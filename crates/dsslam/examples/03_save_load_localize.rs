@@ -1,6 +1,7 @@
 //! A map made of one drive, saved, loaded, and used to find the camera in another drive along the same streets.
 //!
 //!     cargo run -p dsslam --release --example 03_save_load_localize -- morning evening town.dsmap
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for people")]
 
 use std::error::Error;
 use std::path::Path;

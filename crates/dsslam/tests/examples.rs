@@ -1,4 +1,5 @@
 //! The numbered examples, run on a rendered drive.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first problem")]
 
 #[allow(dead_code)]
 #[path = "../examples/01_folder.rs"]

@@ -1,4 +1,5 @@
 //! Pushed images: the bits of a run on the same frames, refusals that change nothing, masks, views, threads, maps that go on.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first problem")]
 
 use std::sync::LazyLock;
 

@@ -61,7 +61,7 @@ pub enum Event {
         estimate: Option<OffsetEstimate>,
     },
     /// A frame went through tracking, or was dropped.
-    Frame(FrameAnswer),
+    Frame(Box<FrameAnswer>),
     /// A lost camera, or one in a map from a file, found its place again.
     Relocalized {
         /// Number of the frame in its sequence.

@@ -182,7 +182,7 @@ impl Observer for Answering {
     fn event(&mut self, event: &Event) {
         if let Event::Frame(answer) = event {
             // The caller may be gone.
-            let _ = self.to_caller.send(answer.clone());
+            let _ = self.to_caller.send(answer.as_ref().clone());
         }
         self.observer.event(event);
     }

@@ -212,7 +212,7 @@ mod tests {
     use slam::{Lost, NotReady, TrackStats};
 
     fn frame(index: u32, status: FrameStatus) -> Event {
-        Event::Frame(FrameAnswer {
+        Event::Frame(Box::new(FrameAnswer {
             index,
             timestamp_s: 0.0,
             status,
@@ -225,7 +225,7 @@ mod tests {
             keyframes: 7,
             points: 9,
             track_ms: 2.0,
-        })
+        }))
     }
 
     #[test]

@@ -33,7 +33,7 @@ struct Answers(Vec<FrameAnswer>);
 impl Observer for Answers {
     fn event(&mut self, event: &Event) {
         if let Event::Frame(answer) = event {
-            self.0.push(answer.clone());
+            self.0.push(answer.as_ref().clone());
         }
     }
 }

@@ -37,12 +37,17 @@ pub struct Settings {
     pub weighs_words: bool,
 }
 
+/// Reads a configuration: a file (else the defaults), and what is overridden in it, `key=value`.
+pub type ReadSettings = dyn Fn(Option<&Path>, &[String]) -> Result<Settings>;
+/// Opens a network: the file of a model, else the built-in model; ONNX Runtime's library; threads.
+pub type OpenNetwork = dyn Fn(Model, Option<&Path>, Option<&Path>, usize) -> Result<Network>;
+
 /// What place recognition takes from the program around it, which knows how a configuration becomes a run.
 pub struct Host<'a> {
     /// Reads a configuration: a file (else the defaults), and what is overridden in it, `key=value`.
-    pub settings: &'a dyn Fn(Option<&Path>, &[String]) -> Result<Settings>,
+    pub settings: &'a ReadSettings,
     /// Opens a network: the file of a model, else the built-in model; ONNX Runtime's library; threads.
-    pub network: &'a dyn Fn(Model, Option<&Path>, Option<&Path>, usize) -> Result<Network>,
+    pub network: &'a OpenNetwork,
     /// Opens a vocabulary: a file, else the built-in one.
     pub vocabulary: &'a dyn Fn(Option<&Path>) -> Result<Arc<Vocabulary>>,
     /// Hears how many frames are done, and of how many.

@@ -98,8 +98,7 @@ fn stamped_rows(stamps: &[&str]) -> String {
 #[test]
 fn kitti_rows_may_have_frame_numbers_or_times() {
     let folder = Folder::new();
-    let file =
-        |stamps: &[&str]| read_trajectory(&folder.write("k.txt", &stamped_rows(stamps)), None).unwrap();
+    let file = |stamps: &[&str]| read_trajectory(&folder.write("k.txt", stamped_rows(stamps)), None).unwrap();
     let found = |t: &Trajectory| -> Vec<(f64, f64)> {
         t.poses.iter().map(|p| (p.timestamp_s, p.world_from_cam.translation.x)).collect()
     };

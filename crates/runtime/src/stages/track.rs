@@ -84,7 +84,7 @@ impl TrackStage {
             watch.time("track", |watch| self.tracker.track(&frame, &view.world, view.idle, watch));
         watch.add_to_last(extract_ms);
         let answer = answer(&frame, &tracked, &view, watch.last("track"));
-        emit(Event::Frame(answer.clone()));
+        emit(Event::Frame(Box::new(answer.clone())));
         note_relocalization(&tracked, &info, &view, log, emit);
         let map = &view.world.map;
         log.map_size = (map.n_keyframes(), map.n_points());
@@ -130,7 +130,7 @@ impl TrackLog {
             points: self.map_size.1,
             track_ms: 0.0,
         };
-        emit(Event::Frame(answer.clone()));
+        emit(Event::Frame(Box::new(answer.clone())));
         self.frames.push(TrackedFrame { info, status, relative: None, seen, timings: watch.finish() });
         answer
     }
