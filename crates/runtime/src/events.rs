@@ -12,7 +12,9 @@ use crate::record::{FrameStatus, LoopRecord};
 use crate::snapshot::View;
 
 /// What tracking knows of a frame as soon as it is done with it. Later corrections of the map move its pose.
+/// Fields may be added, such as a covariance of the pose.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FrameAnswer {
     /// Number of the frame in its sequence.
     pub index: u32,
@@ -38,6 +40,13 @@ pub struct FrameAnswer {
     pub points: usize,
     /// Work from the decoded images to the pose, milliseconds.
     pub track_ms: f64,
+}
+
+impl FrameAnswer {
+    /// The pose the other way round: from the world into the camera.
+    pub fn cam_from_world(&self) -> Option<SE3> {
+        self.world_from_cam.map(|pose| pose.inverse())
+    }
 }
 
 /// One thing that happened. Where stages run on threads, events of different stages come in any order.

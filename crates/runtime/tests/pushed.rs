@@ -40,7 +40,9 @@ impl Observer for Answers {
 
 /// Equal but for the time that it took.
 fn without_times(answers: &[FrameAnswer]) -> Vec<FrameAnswer> {
-    answers.iter().map(|answer| FrameAnswer { track_ms: 0.0, ..answer.clone() }).collect()
+    let mut answers = answers.to_vec();
+    answers.iter_mut().for_each(|answer| answer.track_ms = 0.0);
+    answers
 }
 
 #[test]
