@@ -19,7 +19,7 @@ pub struct WriteOptions {
     pub max_frames: Option<usize>,
     /// `masks/NNNNNN.png` with the label of each pixel of the left image.
     pub masks: bool,
-    /// `depth/NNNNNN.png`, 16 bits, [`DEPTH_UNITS_PER_METER`] units per meter.
+    /// `depth/NNNNNN.png`, 16 bits, [`DEPTH_UNITS_PER_METRE`] units per meter.
     pub depth: bool,
 }
 
