@@ -6,17 +6,19 @@
 use std::error::Error;
 use std::path::Path;
 
+use dsslam::runtime::{Narrator, Weight};
 use dsslam::{Config, Event, Observer, Session, io};
 
-/// Prints each keyframe and each loop.
-struct Console;
+/// Prints in words what happens: keyframes, loops, losses.
+#[derive(Default)]
+struct Console(Narrator);
 
 impl Observer for Console {
     fn event(&mut self, event: &Event) {
-        match event {
-            Event::Keyframe { id, frame, .. } => println!("frame {frame} is keyframe {id}"),
-            Event::Loop(closing) => println!("loop: {closing:?}"),
-            _ => {}
+        for words in self.0.tell(event) {
+            if words.weight <= Weight::Detail {
+                println!("{}", words.text);
+            }
         }
     }
 }
@@ -29,7 +31,7 @@ pub(crate) fn run(sequence: &Path, trajectory: &Path) -> Result<(), Box<dyn Erro
     for notice in chosen.notices.iter().chain(session.notices()) {
         eprintln!("{notice}");
     }
-    let done = session.run(&mut Console)?;
+    let done = session.run(&mut Console::default())?;
     let (map, poses) = (&done.outcome.map, done.trajectory());
     println!("{} poses, {} keyframes, {} points", poses.poses.len(), map.n_keyframes(), map.n_points());
     io::write_tum(trajectory, &poses)?;
