@@ -49,8 +49,8 @@ impl Drawer {
             let radius = Radius::new_ui_points(0.5);
             let edges = strips(scene.edges_in(b, |k| &k.covisible));
             let [r, g, blue, a] = colors::COVISIBILITY;
-            let color = Color::from_unmultiplied_rgba(r, g, blue, a);
-            to.log(block(layout::COVISIBILITY, b), &lines(edges, color, radius))?;
+            let faint = Color::from_unmultiplied_rgba(r, g, blue, a);
+            to.log(block(layout::COVISIBILITY, b), &lines(edges, faint, radius))?;
             let loops = strips(scene.edges_in(b, |k| &k.loops));
             to.log(block(layout::LOOPS, b), &lines(loops, color(colors::LOOP), Radius::new_ui_points(3.0)))?;
         }
