@@ -1,66 +1,23 @@
 //! The figures of a suite's results, with their file names and captions.
 
 use anyhow::Result;
-use plotters::prelude::DrawingBackend;
 
 use crate::baseline::{Baseline, Metric};
 use crate::drift::DriftBin;
 use crate::plot::{
-    BarFigure, Canvas, DriftAxis, DriftFigure, ErrorFigure, Figure, PrecisionRecallFigure, TrajectoryFigure,
-    View,
+    BarFigure, DriftAxis, DriftFigure, ErrorFigure, Figure, PrecisionRecallFigure, TrajectoryFigure, View,
 };
 use crate::suite::{Results, RunPaths, RunResult};
 use crate::table::{Row, metric_table};
 
-/// A figure of any kind.
-#[derive(Clone, Debug)]
-pub enum AnyFigure {
-    /// Trajectory over ground truth.
-    Trajectory(TrajectoryFigure),
-    /// Error along the path.
-    Error(ErrorFigure),
-    /// Drift by length or speed.
-    Drift(DriftFigure),
-    /// Precision-recall curves.
-    PrecisionRecall(PrecisionRecallFigure),
-    /// Bars against baselines.
-    Bars(BarFigure),
-}
-
-impl Figure for AnyFigure {
-    fn size(&self) -> (u32, u32) {
-        match self {
-            AnyFigure::Trajectory(f) => f.size(),
-            AnyFigure::Error(f) => f.size(),
-            AnyFigure::Drift(f) => f.size(),
-            AnyFigure::PrecisionRecall(f) => f.size(),
-            AnyFigure::Bars(f) => f.size(),
-        }
-    }
-
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
-        match self {
-            AnyFigure::Trajectory(f) => f.draw(canvas),
-            AnyFigure::Error(f) => f.draw(canvas),
-            AnyFigure::Drift(f) => f.draw(canvas),
-            AnyFigure::PrecisionRecall(f) => f.draw(canvas),
-            AnyFigure::Bars(f) => f.draw(canvas),
-        }
-    }
-}
-
 /// A figure with its place.
-#[derive(Clone, Debug)]
 pub struct NamedFigure {
     /// File name without extension.
     pub name: String,
     /// What it shows.
     pub caption: String,
     /// The figure.
-    pub figure: AnyFigure,
+    pub figure: Box<dyn Figure>,
 }
 
 /// All figures of the results: of the suite first, then of each run (first repeats); and what could not be drawn.
@@ -105,7 +62,7 @@ fn bars(results: &Results, baselines: &[Baseline]) -> Vec<NamedFigure> {
         Some(NamedFigure {
             name: format!("bars_{}", metric.file_name()),
             caption: format!("{} of each sequence beside published results", metric.label()),
-            figure: AnyFigure::Bars(figure),
+            figure: Box::new(figure),
         })
     };
     metrics.into_iter().filter_map(chart).collect()
@@ -131,7 +88,7 @@ fn drifts(results: &Results) -> Vec<NamedFigure> {
         (!curves.is_empty()).then(|| NamedFigure {
             name: name.to_owned(),
             caption: format!("Drift by {what}, segments of all sequences together"),
-            figure: AnyFigure::Drift(DriftFigure { title, axis, curves }),
+            figure: Box::new(DriftFigure { title, axis, curves }),
         })
     };
     kinds.into_iter().filter_map(figure).collect()
@@ -169,7 +126,7 @@ fn precision_recalls(results: &Results) -> Result<Vec<NamedFigure>> {
             figures.push(NamedFigure {
                 name: format!("precision_recall_{}", sequence.name),
                 caption: format!("Precision over recall on {}", sequence.name),
-                figure: AnyFigure::PrecisionRecall(PrecisionRecallFigure { title, curves }),
+                figure: Box::new(PrecisionRecallFigure { title, curves }),
             });
         }
     }
@@ -192,14 +149,14 @@ fn run_figures(results: &Results, run: &RunResult) -> Result<Vec<NamedFigure>> {
         figures.push(NamedFigure {
             name: format!("{run_name}_{what}"),
             caption: format!("{title}: {what} view"),
-            figure: AnyFigure::Trajectory(figure),
+            figure: Box::new(figure),
         });
     }
     if !paths.ground_truth.is_empty() {
         figures.push(NamedFigure {
             name: format!("{run_name}_error"),
             caption: format!("{title}: error along the path, after alignment"),
-            figure: AnyFigure::Error(ErrorFigure::new(&title, &paths.estimate, &paths.ground_truth)),
+            figure: Box::new(ErrorFigure::new(&title, &paths.estimate, &paths.ground_truth)),
         });
     }
     Ok(figures)

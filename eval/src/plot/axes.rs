@@ -1,7 +1,6 @@
 //! A framed pair of linear axes with ticks, grid, labels, title and legend.
 
-use anyhow::{Result, ensure};
-use plotters::prelude::{DrawingBackend, RGBColor};
+use plotters::style::RGBColor;
 
 use super::canvas::{Anchor, Canvas, FAINT, INK};
 
@@ -80,42 +79,31 @@ impl Axes {
     }
 
     /// Grid, ticks, tick labels, axis labels.
-    pub(crate) fn draw<B: DrawingBackend>(
-        &self,
-        canvas: &Canvas<'_, B>,
-        x_label: &str,
-        y_label: &str,
-    ) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    pub(crate) fn draw(&self, canvas: &mut Canvas, x_label: &str, y_label: &str) {
         let f = &self.frame;
         let (bottom, right) = (f.top + f.height, f.left + f.width);
         for tick in ticks(self.x, f.width / 90.0) {
             let (x, _) = self.at(tick.value, self.y.0);
-            canvas.line(&[(x, f.top), (x, bottom)], FAINT, 1.0)?;
-            canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0)?;
-            canvas.text(&tick.label, (x, bottom + 15.0), SMALL, Anchor::Center)?;
+            canvas.line(&[(x, f.top), (x, bottom)], FAINT, 1.0);
+            canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0);
+            canvas.text(&tick.label, (x, bottom + 15.0), SMALL, Anchor::Center);
         }
-        canvas.text(x_label, (f.left + 0.5 * f.width, bottom + 37.0), NORMAL, Anchor::Center)?;
-        self.draw_y(canvas, y_label)?;
+        canvas.text(x_label, (f.left + 0.5 * f.width, bottom + 37.0), NORMAL, Anchor::Center);
+        self.draw_y(canvas, y_label);
         let corners = [(f.left, f.top), (right, f.top), (right, bottom), (f.left, bottom), (f.left, f.top)];
-        canvas.line(&corners, INK, 1.0)
+        canvas.line(&corners, INK, 1.0);
     }
 
     /// Grid, ticks and label of the vertical axis alone (bar charts have names below).
-    pub(crate) fn draw_y<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>, label: &str) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    pub(crate) fn draw_y(&self, canvas: &mut Canvas, label: &str) {
         let f = &self.frame;
         for tick in ticks(self.y, f.height / 45.0) {
             let (_, y) = self.at(self.x.0, tick.value);
-            canvas.line(&[(f.left, y), (f.left + f.width, y)], FAINT, 1.0)?;
-            canvas.line(&[(f.left - 5.0, y), (f.left, y)], INK, 1.0)?;
-            canvas.text(&tick.label, (f.left - 8.0, y), SMALL, Anchor::Right)?;
+            canvas.line(&[(f.left, y), (f.left + f.width, y)], FAINT, 1.0);
+            canvas.line(&[(f.left - 5.0, y), (f.left, y)], INK, 1.0);
+            canvas.text(&tick.label, (f.left - 8.0, y), SMALL, Anchor::Right);
         }
-        canvas.text_upwards(label, (f.left - 62.0, f.top + 0.5 * f.height), NORMAL)
+        canvas.text_upwards(label, (f.left - 62.0, f.top + 0.5 * f.height), NORMAL);
     }
 }
 
@@ -127,32 +115,22 @@ pub(crate) struct Key<'a> {
 }
 
 /// Title and legend above the frame.
-pub(crate) fn header<B: DrawingBackend>(
-    canvas: &Canvas<'_, B>,
-    width: f64,
-    title: &str,
-    keys: &[Key<'_>],
-) -> Result<()>
-where
-    B::ErrorType: 'static,
-{
-    ensure!(width > 0.0, "a figure needs a width");
+pub(crate) fn header(canvas: &mut Canvas, width: f64, title: &str, keys: &[Key<'_>]) {
     let mut size = LARGE;
     while size > 10.0 && canvas.text_width(title, size) > width - 20.0 {
         size -= 1.0;
     }
-    canvas.text(title, (0.5 * width, 20.0), size, Anchor::Center)?;
+    canvas.text(title, (0.5 * width, 20.0), size, Anchor::Center);
     let (mut x, mut y) = (20.0, 48.0);
     for key in keys {
         let needed = 40.0 + canvas.text_width(key.text, NORMAL) + 22.0;
         if x + needed > width && x > 20.0 {
             (x, y) = (20.0, y + LEGEND_ROW);
         }
-        canvas.line(&[(x, y), (x + 32.0, y)], key.color, key.width)?;
-        canvas.text(key.text, (x + 40.0, y), NORMAL, Anchor::Left)?;
+        canvas.line(&[(x, y), (x + 32.0, y)], key.color, key.width);
+        canvas.text(key.text, (x + 40.0, y), NORMAL, Anchor::Left);
         x += needed;
     }
-    Ok(())
 }
 
 /// Height of one row of the legend, logical pixels.

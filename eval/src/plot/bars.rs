@@ -1,7 +1,6 @@
 //! Bar chart of one figure per sequence: our configurations beside published baselines.
 
 use anyhow::{Result, ensure};
-use plotters::prelude::DrawingBackend;
 
 use super::axes::{Axes, Frame, Key, Margin, SMALL, header, header_height, range};
 use super::canvas::{Anchor, Canvas, Figure, INK, color};
@@ -25,46 +24,41 @@ impl Figure for BarFigure {
         (800, 400 + header_height(800.0, &names) as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    fn draw(&self, canvas: &mut Canvas) -> Result<()> {
         let values = || self.series.iter().flat_map(|s| s.1.iter().flatten().copied());
         ensure!(values().next().is_some() && !self.groups.is_empty(), "no values: nothing to draw");
         let names: Vec<&str> = self.series.iter().map(|s| s.0.as_str()).collect();
         let keys: Vec<Key<'_>> =
             names.iter().enumerate().map(|(i, text)| Key { text, color: color(i), width: 10.0 }).collect();
-        header(canvas, 800.0, &self.title, &keys)?;
+        header(canvas, 800.0, &self.title, &keys);
         let top = header_height(800.0, &names);
         let frame = Frame { left: 90.0, top, width: 685.0, height: 335.0 };
         let x = (0.0, self.groups.len() as f64);
         let axes = Axes { frame, x, y: range(values(), Margin::FromZero) };
-        axes.draw_y(canvas, &self.y_label)?;
+        axes.draw_y(canvas, &self.y_label);
         let bar = 0.8 / self.series.len() as f64;
         for (g, group) in self.groups.iter().enumerate() {
             for (i, (_, series)) in self.series.iter().enumerate() {
                 let Some(value) = series.get(g).copied().flatten() else { continue };
                 let left = g as f64 + 0.1 + bar * i as f64;
-                canvas.bar(axes.at(left, value), axes.at(left + 0.92 * bar, 0.0), color(i))?;
+                canvas.bar(axes.at(left, value), axes.at(left + 0.92 * bar, 0.0), color(i));
             }
             let (middle, bottom) = axes.at(g as f64 + 0.5, 0.0);
-            self.group_name(canvas, group, middle, bottom + 18.0)?;
+            self.group_name(canvas, group, middle, bottom + 18.0);
         }
-        canvas.line(&[axes.at(0.0, 0.0), axes.at(x.1, 0.0)], INK, 1.5)
+        canvas.line(&[axes.at(0.0, 0.0), axes.at(x.1, 0.0)], INK, 1.5);
+        Ok(())
     }
 }
 
 impl BarFigure {
     /// The group's name below its bars, small enough to fit.
-    fn group_name<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>, name: &str, x: f64, y: f64) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    fn group_name(&self, canvas: &mut Canvas, name: &str, x: f64, y: f64) {
         let space = 685.0 / self.groups.len() as f64 - 4.0;
         let mut size = SMALL;
         while size > 8.0 && canvas.text_width(name, size) > space {
             size -= 1.0;
         }
-        canvas.text(name, (x, y), size, Anchor::Center)
+        canvas.text(name, (x, y), size, Anchor::Center);
     }
 }

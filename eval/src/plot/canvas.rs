@@ -9,7 +9,6 @@ use std::sync::OnceLock;
 use anyhow::{Context, Result, ensure};
 use draw::FONT;
 use image::RgbImage;
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
@@ -49,39 +48,29 @@ pub trait Figure {
     /// Draws everything.
     ///
     /// # Errors
-    /// Nothing to draw, or the backend's error.
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
-    where
-        B::ErrorType: 'static;
+    /// Nothing to draw.
+    fn draw(&self, canvas: &mut Canvas) -> Result<()>;
 }
 
 /// Draws `figure` as an RGB image, twice its logical size.
 ///
 /// # Errors
-/// See [`Figure::draw`].
-pub fn render(figure: &impl Figure) -> Result<RgbImage> {
-    let size = drawn_size(figure)?;
+/// See [`Figure::draw`]; or the backend's error.
+pub fn render(figure: &dyn Figure) -> Result<RgbImage> {
+    let (size, shapes) = drawn(figure)?;
     let mut pixels = vec![255; size.0 as usize * size.1 as usize * 3];
-    {
-        let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
-        figure.draw(&Canvas { area: &area, lines: Lines::Segments })?;
-        area.present()?;
-    }
+    paint(BitMapBackend::with_buffer(&mut pixels, size), &shapes, Lines::Segments)?;
     Ok(shrink(&pixels, size.0))
 }
 
 /// Draws `figure` as SVG text of its logical size.
 ///
 /// # Errors
-/// See [`Figure::draw`].
-pub fn svg(figure: &impl Figure) -> Result<String> {
-    let size = drawn_size(figure)?;
+/// See [`Figure::draw`]; or the backend's error.
+pub fn svg(figure: &dyn Figure) -> Result<String> {
+    let (size, shapes) = drawn(figure)?;
     let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        figure.draw(&Canvas { area: &area, lines: Lines::Whole })?;
-        area.present()?;
-    }
+    paint(SVGBackend::with_string(&mut text, size), &shapes, Lines::Whole)?;
     let (width, height) = figure.size();
     Ok(text.replacen(
         &format!("width=\"{}\" height=\"{}\"", size.0, size.1),
@@ -94,7 +83,7 @@ pub fn svg(figure: &impl Figure) -> Result<String> {
 ///
 /// # Errors
 /// See [`Figure::draw`]; or the file cannot be written.
-pub fn save_png(path: &Path, figure: &impl Figure) -> Result<()> {
+pub fn save_png(path: &Path, figure: &dyn Figure) -> Result<()> {
     let image = render(figure).with_context(|| format!("cannot draw {}", path.display()))?;
     image.save(path).with_context(|| format!("cannot write {}", path.display()))
 }
@@ -103,7 +92,7 @@ pub fn save_png(path: &Path, figure: &impl Figure) -> Result<()> {
 ///
 /// # Errors
 /// See [`Figure::draw`]; or the file cannot be written.
-pub fn save_svg(path: &Path, figure: &impl Figure) -> Result<()> {
+pub fn save_svg(path: &Path, figure: &dyn Figure) -> Result<()> {
     let text = svg(figure).with_context(|| format!("cannot draw {}", path.display()))?;
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
@@ -112,17 +101,20 @@ pub fn save_svg(path: &Path, figure: &impl Figure) -> Result<()> {
 ///
 /// # Errors
 /// See [`Figure::draw`]; or a file cannot be written.
-pub fn save(folder: &Path, name: &str, figure: &impl Figure) -> Result<()> {
+pub fn save(folder: &Path, name: &str, figure: &dyn Figure) -> Result<()> {
     save_png(&folder.join(format!("{name}.png")), figure)?;
     save_svg(&folder.join(format!("{name}.svg")), figure)
 }
 
-fn drawn_size(figure: &impl Figure) -> Result<(u32, u32)> {
+/// Size in drawn pixels and all shapes of `figure`.
+fn drawn(figure: &dyn Figure) -> Result<((u32, u32), Vec<Shape>)> {
     static REGISTERED: OnceLock<bool> = OnceLock::new();
     let registered = *REGISTERED.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
     ensure!(registered, "the built-in font cannot be read");
+    let mut canvas = Canvas { shapes: Vec::new() };
+    figure.draw(&mut canvas)?;
     let (width, height) = figure.size();
-    Ok((width * UNIT, height * UNIT))
+    Ok(((width * UNIT, height * UNIT), canvas.shapes))
 }
 
 /// Averages squares of drawn pixels.
@@ -143,12 +135,6 @@ fn shrink(pixels: &[u8], width: u32) -> RgbImage {
     })
 }
 
-/// A part of a figure, in logical pixels.
-pub struct Canvas<'a, B: DrawingBackend> {
-    area: &'a DrawingArea<B, Shift>,
-    lines: Lines,
-}
-
 /// How a thick line is handed to the backend.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Lines {
@@ -159,6 +145,47 @@ enum Lines {
     Whole,
 }
 
+/// Something on a canvas, in drawn pixels.
+enum Shape {
+    Text(String, (i32, i32), Box<TextStyle<'static>>),
+    Line(Vec<(i32, i32)>, ShapeStyle),
+    Bar((i32, i32), (i32, i32), RGBColor),
+    Dot((i32, i32), u32, RGBColor),
+}
+
+/// Draws `shapes` in order with `backend`.
+fn paint<B: DrawingBackend>(mut backend: B, shapes: &[Shape], lines: Lines) -> Result<()>
+where
+    B::ErrorType: 'static,
+{
+    backend.ensure_prepared()?;
+    for shape in shapes {
+        match shape {
+            Shape::Text(text, at, style) => backend.draw_text(text, style.as_ref(), *at)?,
+            Shape::Line(path, style) if lines == Lines::Whole || path.len() < 2 => {
+                backend.draw_path(path.iter().copied(), style)?;
+            }
+            Shape::Line(path, style) => {
+                let has_joints = style.stroke_width > UNIT && path.len() > 2;
+                for ends in path.windows(2) {
+                    backend.draw_path(ends.iter().copied(), style)?;
+                    if has_joints {
+                        backend.draw_circle(ends[1], style.stroke_width / 2, &style.color, true)?;
+                    }
+                }
+            }
+            Shape::Bar(a, b, color) => backend.draw_rect(*a, *b, color, true)?,
+            Shape::Dot(at, radius, color) => backend.draw_circle(*at, *radius, color, true)?,
+        }
+    }
+    Ok(backend.present()?)
+}
+
+/// A figure being drawn, in logical pixels.
+pub struct Canvas {
+    shapes: Vec<Shape>,
+}
+
 /// Where a text hangs from its point.
 #[derive(Clone, Copy)]
 pub(crate) enum Anchor {
@@ -167,28 +194,25 @@ pub(crate) enum Anchor {
     Right,
 }
 
-impl<B: DrawingBackend> Canvas<'_, B>
-where
-    B::ErrorType: 'static,
-{
-    /// Text of `size` logical pixels, vertically centerd at `at`.
-    pub(crate) fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) -> Result<()> {
-        self.styled_text(text, at, size, anchor, FontTransform::None)
+impl Canvas {
+    /// Text of `size` logical pixels, vertically centered at `at`.
+    pub(crate) fn text(&mut self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) {
+        self.styled_text(text, at, size, anchor, FontTransform::None);
     }
 
-    /// Text that reads upwards, centerd at `at`.
-    pub(crate) fn text_upwards(&self, text: &str, at: (f64, f64), size: f64) -> Result<()> {
-        self.styled_text(text, at, size, Anchor::Center, FontTransform::Rotate270)
+    /// Text that reads upwards, centered at `at`.
+    pub(crate) fn text_upwards(&mut self, text: &str, at: (f64, f64), size: f64) {
+        self.styled_text(text, at, size, Anchor::Center, FontTransform::Rotate270);
     }
 
     fn styled_text(
-        &self,
+        &mut self,
         text: &str,
         at: (f64, f64),
         size: f64,
         anchor: Anchor,
         transform: FontTransform,
-    ) -> Result<()> {
+    ) {
         let h_pos = match anchor {
             Anchor::Left => HPos::Left,
             Anchor::Center => HPos::Center,
@@ -196,7 +220,7 @@ where
         };
         let font = ("sans-serif", size * f64::from(UNIT)).into_font().transform(transform);
         let style = TextStyle::from(font).color(&INK).pos(Pos::new(h_pos, VPos::Center));
-        Ok(self.area.draw(&Text::new(text.to_owned(), drawn(at), style))?)
+        self.shapes.push(Shape::Text(text.to_owned(), to_drawn(at), Box::new(style)));
     }
 
     /// Width of a text of `size`, logical pixels.
@@ -207,37 +231,26 @@ where
     }
 
     /// A line of `width` logical pixels through `points`, with round joints.
-    pub(crate) fn line(&self, points: &[(f64, f64)], color: RGBColor, width: f64) -> Result<()> {
-        let mut path: Vec<(i32, i32)> = points.iter().map(|&p| drawn(p)).collect();
+    pub(crate) fn line(&mut self, points: &[(f64, f64)], color: RGBColor, width: f64) {
+        let mut path: Vec<(i32, i32)> = points.iter().map(|&p| to_drawn(p)).collect();
         path.dedup();
         let width = (width * f64::from(UNIT)).round().max(1.0) as u32;
-        let style = color.stroke_width(width);
-        if self.lines == Lines::Whole || path.len() < 2 {
-            return Ok(self.area.draw(&PathElement::new(path, style))?);
-        }
-        let has_joints = width > UNIT && path.len() > 2;
-        for ends in path.windows(2) {
-            self.area.draw(&PathElement::new(ends, style))?;
-            if has_joints {
-                self.area.draw(&Circle::new(ends[1], width / 2, color.filled()))?;
-            }
-        }
-        Ok(())
+        self.shapes.push(Shape::Line(path, color.stroke_width(width)));
     }
 
     /// A filled rectangle between two corners.
-    pub(crate) fn bar(&self, a: (f64, f64), b: (f64, f64), color: RGBColor) -> Result<()> {
-        Ok(self.area.draw(&Rectangle::new([drawn(a), drawn(b)], color.filled()))?)
+    pub(crate) fn bar(&mut self, a: (f64, f64), b: (f64, f64), color: RGBColor) {
+        let ((ax, ay), (bx, by)) = (to_drawn(a), to_drawn(b));
+        self.shapes.push(Shape::Bar((ax.min(bx), ay.min(by)), (ax.max(bx), ay.max(by)), color));
     }
 
     /// A filled disc of radius `radius` logical pixels.
-    pub(crate) fn dot(&self, at: (f64, f64), radius: f64, color: RGBColor) -> Result<()> {
-        let radius = (radius * f64::from(UNIT)).round() as i32;
-        Ok(self.area.draw(&Circle::new(drawn(at), radius, color.filled()))?)
+    pub(crate) fn dot(&mut self, at: (f64, f64), radius: f64, color: RGBColor) {
+        self.shapes.push(Shape::Dot(to_drawn(at), (radius * f64::from(UNIT)).round() as u32, color));
     }
 }
 
-fn drawn(point: (f64, f64)) -> (i32, i32) {
+fn to_drawn(point: (f64, f64)) -> (i32, i32) {
     let unit = f64::from(UNIT);
     ((point.0 * unit).round() as i32, (point.1 * unit).round() as i32)
 }

@@ -1,7 +1,6 @@
 //! Translation and rotation drift by segment length or by speed, one curve per run.
 
 use anyhow::{Result, ensure};
-use plotters::prelude::DrawingBackend;
 
 use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
 use super::canvas::{Canvas, Figure, color};
@@ -33,51 +32,45 @@ impl Figure for DriftFigure {
         (800, 640 + header_height(800.0, &names) as u32)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    fn draw(&self, canvas: &mut Canvas) -> Result<()> {
         let bins = || self.curves.iter().flat_map(|c| c.1.iter());
         ensure!(bins().next().is_some(), "no segments: no drift to draw");
         let names: Vec<&str> = self.curves.iter().map(|c| c.0.as_str()).collect();
         let keys: Vec<Key<'_>> =
             names.iter().enumerate().map(|(i, text)| Key { text, color: color(i), width: 2.5 }).collect();
-        header(canvas, 800.0, &self.title, &keys)?;
+        header(canvas, 800.0, &self.title, &keys);
         let x = range(bins().map(|b| b.at), Margin::Both);
         let x_label = match self.axis {
             DriftAxis::Length => "segment length [m]",
             DriftAxis::Speed => "speed [km/h]",
         };
         let first = header_height(800.0, &names);
-        self.draw_panel(canvas, first, x, (x_label, "translation error [%]"), |b| b.t_rel_percent)?;
+        self.draw_panel(canvas, first, x, (x_label, "translation error [%]"), |b| b.t_rel_percent);
         let second = first + 320.0;
-        self.draw_panel(canvas, second, x, (x_label, "rotation error [deg/100 m]"), |b| b.r_rel_deg_per_100m)
+        self.draw_panel(canvas, second, x, (x_label, "rotation error [deg/100 m]"), |b| b.r_rel_deg_per_100m);
+        Ok(())
     }
 }
 
 impl DriftFigure {
-    fn draw_panel<B: DrawingBackend>(
+    fn draw_panel(
         &self,
-        canvas: &Canvas<'_, B>,
+        canvas: &mut Canvas,
         top: f64,
         x: (f64, f64),
         labels: (&str, &str),
         value: impl Fn(&DriftBin) -> f64,
-    ) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    ) {
         let frame = Frame { left: 90.0, top, width: 685.0, height: 255.0 };
         let values = self.curves.iter().flat_map(|c| &c.1).map(&value);
         let axes = Axes { frame, x, y: range(values, Margin::FromZero) };
-        axes.draw(canvas, labels.0, labels.1)?;
+        axes.draw(canvas, labels.0, labels.1);
         for (i, (_, curve)) in self.curves.iter().enumerate() {
             let pixels: Vec<(f64, f64)> = curve.iter().map(|b| axes.at(b.at, value(b))).collect();
-            canvas.line(&pixels, color(i), 2.5)?;
+            canvas.line(&pixels, color(i), 2.5);
             for &pixel in &pixels {
-                canvas.dot(pixel, 4.0, color(i))?;
+                canvas.dot(pixel, 4.0, color(i));
             }
         }
-        Ok(())
     }
 }

@@ -2,7 +2,6 @@
 
 use anyhow::{Result, ensure};
 use geometry::Vec3;
-use plotters::prelude::DrawingBackend;
 
 use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
 use super::canvas::{Canvas, Figure, INK, PALETTE};
@@ -33,10 +32,7 @@ impl Figure for ErrorFigure {
         (800, 420)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    fn draw(&self, canvas: &mut Canvas) -> Result<()> {
         let errors: Vec<f64> = self.points.iter().filter_map(|p| p.1).collect();
         ensure!(!errors.is_empty(), "no frame has a pose: no error to draw");
         let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
@@ -51,18 +47,18 @@ impl Figure for ErrorFigure {
                 Key { text: names[0], color: PALETTE[1], width: 2.5 },
                 Key { text: names[1], color: INK, width: 1.5 },
             ],
-        )?;
+        );
         let top = header_height(width, &names);
         let axes = Axes {
             frame: Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 },
             x: range(self.points.iter().map(|p| p.0), Margin::Tight),
             y: range(errors.iter().copied(), Margin::FromZero),
         };
-        axes.draw(canvas, "path traveled [m]", "position error [m]")?;
-        canvas.line(&[axes.at(axes.x.0, rmse), axes.at(axes.x.1, rmse)], INK, 1.5)?;
+        axes.draw(canvas, "path traveled [m]", "position error [m]");
+        canvas.line(&[axes.at(axes.x.0, rmse), axes.at(axes.x.1, rmse)], INK, 1.5);
         for run in self.points.split(|p| p.1.is_none()) {
             let pixels: Vec<(f64, f64)> = run.iter().filter_map(|&(x, y)| Some(axes.at(x, y?))).collect();
-            canvas.line(&pixels, PALETTE[1], 2.5)?;
+            canvas.line(&pixels, PALETTE[1], 2.5);
         }
         Ok(())
     }

@@ -1,7 +1,6 @@
 //! Precision over recall, one curve per method, with its area in the legend.
 
 use anyhow::{Result, ensure};
-use plotters::prelude::DrawingBackend;
 
 use super::axes::{Axes, Frame, Key, header, header_height};
 use super::canvas::{Canvas, Figure, color};
@@ -21,16 +20,13 @@ impl Figure for PrecisionRecallFigure {
         (800, 760)
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    fn draw(&self, canvas: &mut Canvas) -> Result<()> {
         ensure!(!self.curves.is_empty(), "no precision-recall curve to draw");
         let names: Vec<String> =
             self.curves.iter().map(|(name, curve)| format!("{name} (AUC {:.3})", curve.auc)).collect();
         let keys: Vec<Key<'_>> =
             names.iter().enumerate().map(|(i, text)| Key { text, color: color(i), width: 2.5 }).collect();
-        header(canvas, 800.0, &self.title, &keys)?;
+        header(canvas, 800.0, &self.title, &keys);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let top = header_height(800.0, &names);
         let height = 760.0 - top - 55.0;
@@ -39,14 +35,14 @@ impl Figure for PrecisionRecallFigure {
         let lowest = self.curves.iter().flat_map(|c| &c.1.points).map(|p| p.precision).fold(1.0, f64::min);
         let low = if lowest > 0.5 { 0.5 } else { 0.0 };
         let axes = Axes { frame, x: (0.0, 1.0), y: (low, 1.0 + 0.02 * (1.0 - low)) };
-        axes.draw(canvas, "recall", "precision")?;
+        axes.draw(canvas, "recall", "precision");
         for (i, (_, curve)) in self.curves.iter().enumerate() {
             let start = curve.points.first().map(|p| axes.at(0.0, p.precision));
             let pixels: Vec<(f64, f64)> = start
                 .into_iter()
                 .chain(curve.points.iter().map(|p| axes.at(p.recall, p.precision)))
                 .collect();
-            canvas.line(&pixels, color(i), 2.5)?;
+            canvas.line(&pixels, color(i), 2.5);
         }
         Ok(())
     }

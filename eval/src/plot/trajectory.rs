@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 use geometry::{SE3, Vec3};
-use plotters::prelude::{DrawingBackend, RGBColor};
+use plotters::style::RGBColor;
 
 use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
 use super::canvas::{Canvas, Figure, INK, PALETTE, save_png};
@@ -123,10 +123,7 @@ impl Figure for TrajectoryFigure {
         }
     }
 
-    fn draw<B: DrawingBackend>(&self, canvas: &Canvas<'_, B>) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
+    fn draw(&self, canvas: &mut Canvas) -> Result<()> {
         ensure!(self.all().next().is_some(), "no positions to draw");
         ensure!(self.all().all(|p| p.iter().all(|v| v.is_finite())), "a position is not a finite number");
         let (width, height) = self.size();
@@ -137,7 +134,7 @@ impl Figure for TrajectoryFigure {
             Key { text: estimate, color: PALETTE[0], width: 2.5 },
         ];
         let shown = if self.ground_truth.is_empty() { &keys[1..] } else { &keys[..] };
-        header(canvas, width, &self.title, shown)?;
+        header(canvas, width, &self.title, shown);
         let top = header_height(width, &[truth, estimate]);
         let frame = Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 };
         let p = self.projection();
@@ -146,8 +143,8 @@ impl Figure for TrajectoryFigure {
             View::Top => {
                 let to_plane = |v: &Vec3| (v[p.right], v[p.up]);
                 let axes = self.axes(frame, &to_plane);
-                axes.draw(canvas, &format!("{} [m]", name(p.right)), &format!("{} [m]", name(p.up)))?;
-                self.draw_paths(canvas, &axes, &to_plane)
+                axes.draw(canvas, &format!("{} [m]", name(p.right)), &format!("{} [m]", name(p.up)));
+                self.draw_paths(canvas, &axes, &to_plane);
             }
             View::Side => {
                 // A camera's y axis points down: height is -y.
@@ -161,10 +158,11 @@ impl Figure for TrajectoryFigure {
                     1.0 => format!("{minus}{} [m]", name(p.height)),
                     _ => format!("{minus}{} [m], drawn {factor}x", name(p.height)),
                 };
-                axes.draw(canvas, &format!("{} [m]", name(p.along)), &label)?;
-                self.draw_paths(canvas, &axes, &|v: &Vec3| (v[p.along], sign * v[p.height]))
+                axes.draw(canvas, &format!("{} [m]", name(p.along)), &label);
+                self.draw_paths(canvas, &axes, &|v: &Vec3| (v[p.along], sign * v[p.height]));
             }
         }
+        Ok(())
     }
 }
 
@@ -183,29 +181,20 @@ impl TrajectoryFigure {
         EXAGGERATIONS.iter().copied().rfind(|&e| e <= free).unwrap_or(1.0)
     }
 
-    fn draw_paths<B: DrawingBackend>(
-        &self,
-        canvas: &Canvas<'_, B>,
-        axes: &Axes,
-        to_plane: &impl Fn(&Vec3) -> (f64, f64),
-    ) -> Result<()>
-    where
-        B::ErrorType: 'static,
-    {
-        let path = |points: Vec<(f64, f64)>, color: RGBColor, width: f64| -> Result<()> {
+    fn draw_paths(&self, canvas: &mut Canvas, axes: &Axes, to_plane: &impl Fn(&Vec3) -> (f64, f64)) {
+        let mut path = |points: Vec<(f64, f64)>, color: RGBColor, width: f64| {
             let pixels: Vec<(f64, f64)> = points.iter().map(|&(x, y)| axes.at(x, y)).collect();
-            canvas.line(&pixels, color, width)
+            canvas.line(&pixels, color, width);
         };
-        path(self.ground_truth.iter().map(to_plane).collect(), INK, 5.0)?;
+        path(self.ground_truth.iter().map(to_plane).collect(), INK, 5.0);
         for run in self.runs(to_plane) {
-            path(run, PALETTE[0], 2.5)?;
+            path(run, PALETTE[0], 2.5);
         }
         if let Some(start) = self.ground_truth.first().or(self.estimate.iter().flatten().next()) {
             let (x, y) = to_plane(start);
-            canvas.dot(axes.at(x, y), 7.0, INK)?;
-            canvas.dot(axes.at(x, y), 4.0, RGBColor(255, 255, 255))?;
+            canvas.dot(axes.at(x, y), 7.0, INK);
+            canvas.dot(axes.at(x, y), 4.0, RGBColor(255, 255, 255));
         }
-        Ok(())
     }
 }
 
