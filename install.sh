@@ -1,24 +1,27 @@
 #!/usr/bin/env bash
-# Installs what is missing and builds the program: ./install.sh [--rerun] [--video] [--prefix DIR]
+# Installs what is missing and builds the program: ./install.sh [--rerun] [--video] [--python] [--prefix DIR]
 # Safe to run again: what is already installed is kept. With --prefix the programs are also copied to DIR/bin,
 # with manual pages and completions. With --rerun also
 # dsslam-rerun, which feeds the Rerun viewer (ten minutes more on two cores). With --video also dsslam-video, which decodes
-# videos and cameras for it and needs OpenCV (about 1.5 GB).
+# videos and cameras for it and needs OpenCV (about 1.5 GB). With --python only the Python module is built, as a wheel, and
+# installed into the active virtual environment.
 set -euo pipefail
 cd "$(dirname "$0")"
 
-usage() { sed -n '2,6s/^# //p' "$0"; }
+usage() { sed -n '2,8s/^# //p' "$0"; }
 fail() { echo "install.sh: $*" >&2; exit 1; }
 
 prefix=
 video=
 rerun=
+python=
 while [ $# -gt 0 ]; do
   case $1 in
     --prefix) prefix=${2:?install.sh: --prefix needs a folder}; shift 2 ;;
     --prefix=*) prefix=${1#--prefix=}; shift ;;
     --video) video=yes; shift ;;
     --rerun) rerun=1; shift ;;
+    --python) python=1; shift ;;
     -h|--help) usage; exit 0 ;;
     *) usage >&2; fail "unknown argument: $1" ;;
   esac
@@ -50,6 +53,21 @@ found=$(rustc --version | awk '{ print $2 }')
 [ "$(printf '%s\n%s\n' "$wanted" "$found" | sort -V | head -n 1)" = "$wanted" ] ||
   fail "Rust $found is too old, $wanted or newer is needed: rustup update stable"
 echo "      there: Rust $found"
+
+if [ -n "$python" ]; then
+  [ -z "$prefix$video$rerun" ] || fail "--python goes alone"
+  [ -n "${VIRTUAL_ENV:-}${CONDA_PREFIX:-}" ] || fail "no virtual environment is active: python3 -m venv .venv && . .venv/bin/activate"
+  python3 -c 'import sys; sys.exit(sys.version_info < (3, 10))' || fail "$(python3 --version) is too old, 3.10 or newer is needed"
+  wheels=${CARGO_TARGET_DIR:-target}/wheels
+  echo "[3/4] the wheel"
+  rm -rf "$wheels"
+  python3 -m pip wheel --quiet --disable-pip-version-check --no-deps -w "$wheels" ./crates/python
+  echo "[4/4] pip install"
+  python3 -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps "$wheels"/dsslam-*.whl
+  python3 -m pip install --quiet --disable-pip-version-check "$wheels"/dsslam-*.whl
+  echo "built and installed: $(ls "$wheels"/dsslam-*.whl)   (try: python3 -c 'import dsslam')"
+  exit
+fi
 
 echo "[3/4] ONNX Runtime, for the activation network"
 if message=$(crates/dsfeat/get-onnxruntime.sh 2>&1); then

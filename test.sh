@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what the tests need and runs all of them: formatting, lints, tests, documentation.
+# Installs what the tests need and runs all of them: formatting, lints, tests of Rust and Python, documentation.
 # Real sequences are tested where DSSLAM_DATA names a folder with them; without it those tests say that they were skipped.
 # ./test.sh --viewer also checks crates/viewer, which needs Rerun: ten minutes more on two cores the first time.
 set -euo pipefail
@@ -29,6 +29,7 @@ step() {
 step cargo fmt --all --check
 step cargo clippy --workspace --exclude dsslam-viewer --all-targets --features dsslam-cv/video --locked -- -D warnings
 step cargo test --workspace --exclude dsslam-viewer --features dsslam-cv/video --locked
+step crates/python/test.sh
 step env RUSTDOCFLAGS="-D warnings" cargo doc --workspace --exclude dsslam-viewer --no-deps --locked
 if [ -n "$viewer" ]; then
   step cargo clippy --profile viewer -p dsslam-viewer --all-targets --locked -- -D warnings

@@ -72,6 +72,14 @@ impl<'a> ImageView<'a> {
         Self { stride, ..self }
     }
 
+    /// A copy of the brightness of each pixel.
+    ///
+    /// # Errors
+    /// Fewer bytes than the size asks for.
+    pub fn to_image(self) -> Result<GrayImage, FrameProblem> {
+        self.to_gray("given", self.size)
+    }
+
     /// The brightness of each pixel; `name` is what messages call the image.
     pub(crate) fn to_gray(self, name: &'static str, expected: ImageSize) -> Result<GrayImage, FrameProblem> {
         let (size, pixel) = (self.size, self.format.bytes());
@@ -225,6 +233,18 @@ pub struct Images<'a> {
 }
 
 impl<'a> Images<'a> {
+    /// The same with the image of the right camera.
+    #[must_use]
+    pub fn with_right(self, right: impl Into<ImageView<'a>>) -> Self {
+        Self { right: Some(right.into()), ..self }
+    }
+
+    /// The same with a registered depth image.
+    #[must_use]
+    pub fn with_depth(self, depth: impl Into<DepthView<'a>>) -> Self {
+        Self { depth: Some(depth.into()), ..self }
+    }
+
     /// The same with a mask of the size of the left image: no feature is taken where it is 0. It takes the place of `input.mask` for
     /// this frame.
     #[must_use]
@@ -250,7 +270,7 @@ impl<'a> From<&'a GrayImage> for Images<'a> {
 /// Left and right image.
 impl<'a> From<(ImageView<'a>, ImageView<'a>)> for Images<'a> {
     fn from((left, right): (ImageView<'a>, ImageView<'a>)) -> Self {
-        Self { right: Some(right), ..left.into() }
+        Self::from(left).with_right(right)
     }
 }
 
@@ -264,7 +284,7 @@ impl<'a> From<(&'a GrayImage, &'a GrayImage)> for Images<'a> {
 /// Image and depth.
 impl<'a> From<(ImageView<'a>, DepthView<'a>)> for Images<'a> {
     fn from((image, depth): (ImageView<'a>, DepthView<'a>)) -> Self {
-        Self { depth: Some(depth), ..image.into() }
+        Self::from(image).with_depth(depth)
     }
 }
 

@@ -1,0 +1,87 @@
+//! The `dsslam` program as a function: arguments in, commands called, errors printed, an exit code for the shell.
+//!
+//! Start reading at `run.rs` (the command) and `job.rs` (a run from its first frame to its last file).
+
+mod activation;
+mod args;
+mod clock;
+mod config;
+mod console;
+mod demo;
+mod doctor;
+mod evaluate;
+mod exit;
+mod export;
+mod files;
+mod help;
+mod job;
+mod progress;
+mod render;
+mod report;
+mod results;
+mod run;
+mod selected;
+mod shell;
+mod show;
+mod stage;
+mod stop;
+mod summary;
+mod tables;
+mod telling;
+mod vocab;
+
+use std::ffi::OsString;
+
+use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
+
+use args::{Cli, Command, Inspect, ShellCommand};
+use exit::{Exit, Failure};
+
+/// Runs the program with these arguments, of which the first is its name, and returns its exit code. Help, the version and wrong
+/// arguments end the process.
+#[must_use]
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let Cli { command, voice } = Cli::try_parse_from(arguments).unwrap_or_else(|error| refused(&error));
+    console::set_voice(voice);
+    let exit = dispatch(command).unwrap_or_else(|failure| {
+        console::note(console::error(failure.to_string()));
+        failure.exit
+    });
+    exit.code()
+}
+
+fn dispatch(command: Command) -> Result<Exit, Failure> {
+    match command {
+        Command::Run(args) => run::run(&args),
+        Command::View(args) => show::view(&args),
+        Command::Demo(args) => demo::run(&args),
+        Command::Synth(args) => render::run(&args),
+        Command::Eval(command) => evaluate::run(command),
+        Command::Config(args) => config::run(&args.action),
+        Command::Export(args) => export::run(&args),
+        Command::Inspect(args) => match args.what {
+            Inspect::Features(args) => args.run(),
+            Inspect::Match(args) => args.run(),
+            Inspect::Stereo(args) => args.run(),
+            Inspect::Activation(args) => activation::run(&args),
+            Inspect::Vocab(args) => vocab::run(&args.action),
+        },
+        Command::Doctor(args) => doctor::run(&args),
+        Command::Shell(args) => match args.what {
+            ShellCommand::Completions(args) => shell::completions(&args),
+            ShellCommand::Man(args) => shell::man(&args),
+        },
+    }
+}
+
+/// Ends the program with what is wrong with its arguments; of a command that has moved with its name now.
+fn refused(error: &clap::Error) -> ! {
+    if let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand)
+        && let Some(moved) = args::moved(name)
+    {
+        console::note(console::error(moved));
+        std::process::exit(i32::from(Exit::Input.code()));
+    }
+    error.exit()
+}

@@ -1,0 +1,167 @@
+//! The results of a run.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use dsslam::runtime::LoopResult;
+use dsslam::trajectories::{own_pose, pose_per_frame, tracked_poses};
+use dsslam::{FrameStatus, Sensor};
+use io::Trajectory;
+use numpy::{PyArray1, PyArray3};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::error::raised;
+use crate::map::Map;
+use crate::poses;
+
+/// Final poses, map and loops of a run.
+#[pyclass(frozen, module = "dsslam")]
+#[derive(Clone)]
+pub(crate) struct Finished {
+    pub(crate) done: Arc<dsslam::Finished>,
+    sensor: Sensor,
+    /// Errors against the ground truth as JSON, if there is one.
+    evaluation: Option<String>,
+}
+
+impl Finished {
+    pub(crate) fn new(done: dsslam::Finished, sensor: Sensor) -> Self {
+        Self { done: Arc::new(done), sensor, evaluation: None }
+    }
+
+    pub(crate) fn with_evaluation(self, evaluation: Option<String>) -> Self {
+        Self { evaluation, ..self }
+    }
+
+    pub(crate) fn save_file(&self, file: &Path) -> Result<String, dsslam::Error> {
+        self.done.save_map(file)
+    }
+
+    /// Poses of the tracked frames, of the left camera or of the body.
+    pub(crate) fn poses(&self, body: bool) -> Trajectory {
+        if body { self.done.body_trajectory() } else { self.done.trajectory() }
+    }
+}
+
+#[pymethods]
+impl Finished {
+    #[getter]
+    fn n_frames(&self) -> usize {
+        self.done.outcome.frames.len()
+    }
+
+    #[getter]
+    fn n_tracked(&self) -> usize {
+        self.done.outcome.frames.iter().filter(|frame| frame.status.has_pose()).count()
+    }
+
+    #[getter]
+    fn sensor(&self) -> &'static str {
+        self.sensor.word()
+    }
+
+    #[getter]
+    fn interrupted(&self) -> bool {
+        self.done.outcome.interrupted
+    }
+
+    #[getter]
+    fn failure(&self) -> Option<String> {
+        self.done.outcome.failure.as_ref().map(ToString::to_string)
+    }
+
+    #[pyo3(signature = (*, body=false))]
+    #[expect(clippy::type_complexity, reason = "a pair of arrays")]
+    fn trajectory<'py>(
+        &self,
+        py: Python<'py>,
+        body: bool,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray3<f64>>)> {
+        let poses = self.poses(body).poses;
+        let times = PyArray1::from_iter(py, poses.iter().map(|pose| pose.timestamp_s));
+        Ok((times, poses::matrices(py, poses.iter().map(|pose| pose.world_from_cam))?))
+    }
+
+    #[getter]
+    fn frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let rows = self.done.outcome.frames.iter().map(|frame| {
+            let row = PyDict::new(py);
+            row.set_item("index", frame.index)?;
+            row.set_item("time_s", frame.timestamp_s)?;
+            row.set_item("state", frame.status.state().key())?;
+            row.set_item("reason", frame.status.reason())?;
+            row.set_item("inliers", frame.status.inliers())?;
+            row.set_item("submap", frame.submap.map(|root| root.0))?;
+            row.set_item("pose", own_pose(frame).map(|pose| poses::matrix(py, &pose)).transpose()?)?;
+            Ok(row)
+        });
+        PyList::new(py, rows.collect::<PyResult<Vec<_>>>()?)
+    }
+
+    #[getter]
+    fn loops<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let rows = self.done.outcome.loops.iter().map(|found| {
+            let row = PyDict::new(py);
+            row.set_item("frame", found.frame)?;
+            row.set_item("matched_frame", found.matched_frame)?;
+            let (state, reason) = match &found.result {
+                LoopResult::Closed { inliers, moved_m, turned_deg, joined } => {
+                    row.set_item("inliers", *inliers)?;
+                    row.set_item("moved_m", *moved_m)?;
+                    row.set_item("turned_deg", *turned_deg)?;
+                    row.set_item("joined", *joined)?;
+                    ("closed", None)
+                }
+                LoopResult::Rejected(reason) => ("rejected", Some(reason)),
+                LoopResult::Refused(reason) => ("refused", Some(reason)),
+            };
+            row.set_item("state", state)?;
+            row.set_item("reason", reason)?;
+            Ok(row)
+        });
+        PyList::new(py, rows.collect::<PyResult<Vec<_>>>()?)
+    }
+
+    #[getter]
+    fn map(&self) -> Map {
+        Map(self.done.outcome.map.clone())
+    }
+
+    #[getter]
+    fn evaluation<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.evaluation.as_ref().map(|text| py.import("json")?.call_method1("loads", (text,))).transpose()
+    }
+
+    fn save(&self, py: Python<'_>, file: PathBuf) -> PyResult<String> {
+        py.detach(|| self.save_file(&file)).map_err(raised)
+    }
+
+    #[pyo3(signature = (file, format="tum", *, body=false))]
+    fn save_trajectory(&self, file: PathBuf, format: &str, body: bool) -> PyResult<()> {
+        let frames = &self.done.outcome.frames;
+        match format {
+            "tum" if body => io::write_tum(&file, &self.poses(true)).map_err(raised),
+            "tum" => io::write_tum(&file, &tracked_poses(frames)).map_err(raised),
+            "kitti" if !body => io::write_kitti(&file, &pose_per_frame(frames)).map_err(raised),
+            "euroc" => io::write_euroc(&file, &self.poses(body)).map_err(raised),
+            "kitti" => Err(PyValueError::new_err("body: KITTI's format has poses of the camera only")),
+            _ => Err(PyValueError::new_err(format!(
+                "format: found {format:?}, expected \"tum\", \"kitti\" or \"euroc\""
+            ))),
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        let map = &self.done.outcome.map;
+        let (tracked, frames) = (self.n_tracked(), self.n_frames());
+        let lost =
+            self.done.outcome.frames.iter().filter(|f| matches!(f.status, FrameStatus::Lost(_))).count();
+        format!(
+            "Finished({tracked} of {frames} frames with a pose, {lost} lost, {} keyframes, {} points)",
+            map.n_keyframes(),
+            map.n_points()
+        )
+    }
+}

@@ -1,0 +1,67 @@
+//! Poses as numpy arrays, and back.
+
+use dsslam::SE3;
+use geometry::{SO3, Vec3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// The 16 numbers of a pose, row by row.
+fn values(pose: &SE3) -> [f64; 16] {
+    let (r, t) = (pose.rotation.matrix(), pose.translation);
+    let mut all = [0.0; 16];
+    for row in 0..3 {
+        for column in 0..3 {
+            all[4 * row + column] = r[(row, column)];
+        }
+        all[4 * row + 3] = t[row];
+    }
+    all[15] = 1.0;
+    all
+}
+
+/// A pose as a 4x4 matrix.
+pub(crate) fn matrix<'py>(py: Python<'py>, pose: &SE3) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    PyArray1::from_slice(py, &values(pose)).reshape([4, 4])
+}
+
+/// Poses as an array of shape (N, 4, 4).
+pub(crate) fn matrices<'py>(
+    py: Python<'py>,
+    poses: impl Iterator<Item = SE3>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let all: Vec<f64> = poses.flat_map(|pose| values(&pose)).collect();
+    let n = all.len() / 16;
+    PyArray1::from_vec(py, all).reshape([n, 4, 4])
+}
+
+/// Rows of `N` numbers as an array of shape (rows, N).
+pub(crate) fn rows<'py, T: numpy::Element, const N: usize>(
+    py: Python<'py>,
+    rows: impl Iterator<Item = [T; N]>,
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let all: Vec<T> = rows.flatten().collect();
+    let n = all.len() / N;
+    PyArray1::from_vec(py, all).reshape([n, N])
+}
+
+/// The poses of an array of shape (N, 4, 4) or (N, 3, 4).
+pub(crate) fn of_array(array: &PyReadonlyArray3<'_, f64>, name: &str) -> PyResult<Vec<SE3>> {
+    let view = array.as_array();
+    if !matches!(*view.shape(), [_, 3 | 4, 4]) {
+        let shape = view.shape();
+        return Err(PyValueError::new_err(format!("{name}: found shape {shape:?}, expected (N, 4, 4)")));
+    }
+    let one = |(i, pose): (usize, numpy::ndarray::ArrayView2<'_, f64>)| {
+        let matrix = geometry::Mat3::from_fn(|row, column| pose[(row, column)]);
+        let translation = Vec3::new(pose[(0, 3)], pose[(1, 3)], pose[(2, 3)]);
+        let is_rotation = (matrix * matrix.transpose() - geometry::Mat3::identity()).norm() < 1e-3;
+        if !is_rotation || matrix.determinant() < 0.0 || translation.iter().any(|v| !v.is_finite()) {
+            return Err(PyValueError::new_err(format!(
+                "{name}: pose {i}: found no rotation, expected world_from_cam"
+            )));
+        }
+        Ok(SE3::new(SO3::from_matrix(&matrix), translation))
+    };
+    view.outer_iter().enumerate().map(one).collect()
+}

@@ -1,0 +1,127 @@
+//! Runs over folders, videos and cameras.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use dsslam::runtime::{Narrator, Weight, Words};
+use dsslam::{Compared, Config, Event, Observer, Session, SessionOptions};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arguments;
+use crate::error::raised;
+use crate::finished::Finished;
+use crate::frame;
+
+/// Ends a run from outside.
+#[pyclass(frozen, module = "dsslam")]
+#[derive(Default)]
+pub(crate) struct Stop(Arc<AtomicBool>);
+
+#[pymethods]
+impl Stop {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// The configuration that is named, else the built-in one that goes with the layout of the folder.
+pub(crate) fn chosen(
+    folder: &Path,
+    config: Option<&Path>,
+    settings: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Config> {
+    match config {
+        Some(name) => arguments::config(Some(name), settings),
+        None => Ok(Config::for_sequence(folder, &arguments::overrides(settings)?).map_err(raised)?.config),
+    }
+}
+
+/// Tells a Python function of each frame, and of what happens in words. What it raises ends the run.
+struct Telling<'a> {
+    observer: &'a Py<PyAny>,
+    narrator: Narrator,
+    stop: &'a AtomicBool,
+    raised: Option<PyErr>,
+}
+
+impl Observer for Telling<'_> {
+    fn event(&mut self, event: &Event) {
+        if self.raised.is_some() {
+            return;
+        }
+        let words = self.narrator.tell(event);
+        let told = Python::attach(|py| {
+            // Frames are told as results, not in words.
+            for Words { event, text, .. } in words.into_iter().filter(|words| words.weight < Weight::Trace) {
+                self.observer.call1(py, (event, text))?;
+            }
+            if let Event::Frame(answer) = event {
+                let t_ns = (answer.timestamp_s * 1e9).round() as i64;
+                self.observer.call1(py, ("frame", frame::Result::new(answer.as_ref().clone(), t_ns)))?;
+            }
+            PyResult::Ok(())
+        });
+        if let Err(error) = told {
+            self.raised = Some(error);
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Runs over all frames; `dsslam.run` wraps it so that Ctrl-C ends it with its results.
+#[pyfunction]
+#[pyo3(signature = (path, config, stop, *, settings, sensor, calibration, ground_truth, max_frames, map, localize, vocabulary, network, schedule, observer))]
+#[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+pub(crate) fn run(
+    py: Python<'_>,
+    path: PathBuf,
+    config: Option<PathBuf>,
+    stop: &Bound<'_, Stop>,
+    settings: Option<&Bound<'_, PyDict>>,
+    sensor: Option<&str>,
+    calibration: Option<PathBuf>,
+    ground_truth: Option<PathBuf>,
+    max_frames: Option<usize>,
+    map: Option<PathBuf>,
+    localize: bool,
+    vocabulary: Option<PathBuf>,
+    network: Option<PathBuf>,
+    schedule: Option<&str>,
+    observer: Option<Py<PyAny>>,
+) -> PyResult<Finished> {
+    let config = chosen(&path, config.as_deref(), settings)?;
+    let mut options = SessionOptions::default();
+    options.input.sensor = arguments::sensor(sensor)?;
+    options.input.calibration = calibration;
+    options.input.ground_truth = ground_truth;
+    options.input.max_frames = max_frames;
+    options.slam = arguments::options(map, localize, vocabulary, network, schedule)?;
+    let stop = Arc::clone(&stop.get().0);
+    py.detach(|| {
+        let session = Session::open_with(&path, &config, &options).map_err(raised)?;
+        let done = match &observer {
+            None => session.run_until(&mut dsslam::Silent, &stop).map_err(raised)?,
+            Some(observer) => {
+                let narrator = Narrator::default();
+                let mut telling = Telling { observer, narrator, stop: &stop, raised: None };
+                let done = session.run_until(&mut telling, &stop);
+                if let Some(error) = telling.raised {
+                    return Err(error);
+                }
+                done.map_err(raised)?
+            }
+        };
+        let sequence = session.input().sequence();
+        let evaluation = Compared::new(&done.outcome.frames, sequence)
+            .and_then(|compared| compared.evaluate(&eval::KITTI_LENGTHS_M).ok())
+            .and_then(|evaluation| serde_json::to_string(&evaluation).ok());
+        Ok(Finished::new(done, sequence.sensor).with_evaluation(evaluation))
+    })
+}
