@@ -10,6 +10,7 @@ use crate::args::DemoArgs;
 use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::figures;
 use crate::job::{self, Extras, Job};
 use crate::render;
 use crate::results::ResultsFolder;
@@ -36,7 +37,22 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     console::note(format!("rendering {n_frames} {sensor} frames of {course} and processing them"));
     let (show, json) = (args.show.clone(), args.json);
     let (lengths_m, extras, notices) = (KITTI_LENGTHS_M.to_vec(), Extras::default(), Vec::new());
-    let (preset, replay) = (None, None);
-    let job = Job { session, preset, notices, replay, lengths_m, folder, extras, show, viewer, json, watch };
+    let (preset, replay, is_strict) = (None, None, false);
+    let figures = figures::show(&session, is_strict)?;
+    let job = Job {
+        session,
+        figures,
+        is_strict,
+        preset,
+        notices,
+        replay,
+        lengths_m,
+        folder,
+        extras,
+        show,
+        viewer,
+        json,
+        watch,
+    };
     job::execute(&job, &stop).map(|(_, exit)| exit)
 }

@@ -7,7 +7,7 @@ use std::fmt;
 pub(crate) enum Exit {
     /// The command succeeded.
     Done,
-    /// The run finished without a single pose.
+    /// Fewer than half of the usable frames have a pose, or `--strict` refuses the scale.
     Unusable,
     /// Invalid arguments, configuration or dataset: no frame was processed.
     Input,
@@ -23,8 +23,8 @@ pub(crate) enum Exit {
 pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
   0    success
-  1    the run produced no usable result (never initialized, no pose)
-  2    invalid arguments, configuration or dataset; no frame was processed
+  1    fewer than half of the usable frames have a pose; or --strict, and the scale disagrees with the ground truth
+  2    invalid arguments, configuration or dataset, or doubtful figures with --strict; no frame was processed
   3    the results cannot be written
   4    a stage of the run failed, which is a bug; results so far have been written
   130  interrupted (Ctrl-C, SIGTERM); results so far have been written";

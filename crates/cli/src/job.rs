@@ -1,11 +1,12 @@
 //! A run from its first frame to its last file: what `run` and `demo` have in common.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context, Result};
 use dsslam::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
-use dsslam::{Compared, Error, Finished, Session};
+use dsslam::{Compared, Error, Figures, Finished, Session, Verdict, scale_against_truth};
 use eval::plot::{TrajectoryFigure, View, save_png};
 use eval::{Evaluation, Subject};
 use io::Sequence;
@@ -27,10 +28,17 @@ pub(crate) const TRUTH_FILE: &str = "ground_truth.tum.txt";
 /// True poses of the body at the frames of the run, where the body is not the left camera.
 const TRUTH_OF_BODY_FILE: &str = "ground_truth_body.tum.txt";
 
+/// Estimated over true lengths that need no word.
+const SCALE: RangeInclusive<f64> = 0.95..=1.05;
+
 /// Everything that a run needs.
 pub(crate) struct Job {
     /// The frames, the camera and the parameters.
     pub(crate) session: Session,
+    /// What the run rests on.
+    pub(crate) figures: Figures,
+    /// Whether a doubt refuses a result.
+    pub(crate) is_strict: bool,
     /// Name of the built-in configuration that the layout of the sequence has chosen.
     pub(crate) preset: Option<&'static str>,
     /// What the user should know of that choice.
@@ -78,6 +86,8 @@ impl Job {
             schedule: schedule_name(setup.schedule, self.replay.is_some()),
             preset: self.preset,
             notices: [&self.notices[..], self.session.notices()].concat(),
+            figures: self.figures.clone(),
+            scale_against_truth: None,
         }
     }
 }
@@ -101,6 +111,7 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
     for notice in &context.notices {
         console::note(console::warning(notice));
     }
+    context.notices.extend(job.figures.doubts.iter().map(|doubt| doubt.text.clone()));
     let mut audience = Audience::gather(job)?;
     let finished = match &job.replay {
         None => session.run_until(&mut audience, stop).or_input()?,
@@ -115,6 +126,15 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
     let compared = Compared::new(&outcome.frames, sequence);
     let evaluation = compared.as_ref().map(|compared| compared.evaluate(&job.lengths_m));
     let truth = compared.as_ref().zip(evaluation.as_ref());
+    let scale = evaluation.as_ref().and_then(|evaluation| scale_against_truth(evaluation.as_ref().ok()?));
+    let off_scale = scale.filter(|scale| !SCALE.contains(scale)).map(|scale| {
+        format!("estimated lengths are {scale:.3} times the true ones: baseline, unit of depth or unit of the ground truth is wrong")
+    });
+    if let Some(text) = &off_scale {
+        console::note(console::warning(text).event("doubt").with("rule", "scale"));
+        context.notices.push(text.clone());
+    }
+    context.scale_against_truth = scale;
     let written = write_results(job, context, &finished, truth).or_output();
     audience.leave(outcome, written.as_ref().ok(), job.folder.path());
     let summary = written?;
@@ -123,15 +143,20 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<(Summary, Exit), F
     } else {
         console::say(report::text(&summary, job.folder.path()).trim_end());
     }
-    if !summary.is_usable() {
-        let reason = summary.without_pose.first().map_or("the sequence is empty", |frame| &frame.reason);
-        let sensor = sequence.sensor;
-        console::note(console::error(format!("no frame has a pose ({sensor}): {reason}")));
+    let verdict = Verdict::of(&outcome.frames);
+    if !verdict.is_success() {
+        let doubts: Vec<&str> = job.figures.doubts.iter().map(|doubt| doubt.text.as_str()).collect();
+        let why = if doubts.is_empty() { String::new() } else { format!(" ({})", doubts.join("; ")) };
+        console::note(console::error(format!("{verdict}{why}")));
     }
+    if job.is_strict && off_scale.is_some() {
+        console::note(console::error("refused by --strict, since the scale is doubtful"));
+    }
+    let is_useful = verdict.is_success() && !(job.is_strict && off_scale.is_some());
     if let Some(failure) = &outcome.failure {
         console::note(console::error(format!("{failure}; results so far have been written")));
     }
-    let exit = match (&outcome.failure, outcome.interrupted, summary.is_usable()) {
+    let exit = match (&outcome.failure, outcome.interrupted, is_useful) {
         (Some(_), ..) => Exit::Failed,
         (None, true, _) => Exit::Interrupted,
         (None, false, true) => Exit::Done,

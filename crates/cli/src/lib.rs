@@ -12,6 +12,7 @@ mod doctor;
 mod evaluate;
 mod exit;
 mod export;
+mod figures;
 mod files;
 mod help;
 mod job;

@@ -37,9 +37,7 @@ impl Progress {
         self.n_dropped += usize::from(is_drop);
         let message = match is_drop.then_some(self.n_dropped) {
             Some(n) if n > NAMED_DROPS + 1 => return,
-            Some(n) if n == NAMED_DROPS + 1 => {
-                "all all all further dropped frames are listed in summary.json".into()
-            }
+            Some(n) if n == NAMED_DROPS + 1 => "all further dropped frames are listed in summary.json".into(),
             _ => telling::message(words),
         };
         self.bar.suspend(|| console::note(message));

@@ -67,6 +67,9 @@ fn errors(text: &mut String, s: &Summary) {
     }
     let (Some(ate), Some(alignment), Some(path)) = (s.ate_rmse_m, &s.alignment, s.path_m) else { return };
     row(text, "ATE", &format!("{ate:.4} m rmse ({alignment} alignment), path {path:.1} m"));
+    if let Some(scale) = s.scale_against_truth {
+        row(text, "scale", &format!("estimated lengths are {scale:.4} times the true ones"));
+    }
     if let Some(end) = s.end_error_percent {
         row(text, "drift", &format!("{end:.3} % of the path length at the end"));
     }

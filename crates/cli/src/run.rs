@@ -11,6 +11,7 @@ use crate::args::{RunArgs, ScheduleArg};
 use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::figures;
 use crate::files::folder_of;
 use crate::job::{self, Extras, Job};
 use crate::results::ResultsFolder;
@@ -31,17 +32,32 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let extras = extras(args).or_output()?;
     let viewer = show::viewer(&args.show)?;
     let stop = stop::on_signal();
-    let name = &session.input().sequence().name;
-    let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), name).or_output()?;
-    let (show, json) = (args.show.clone(), args.json);
     if let Some(name) = chosen.preset {
         console::note(format!(
             "configuration {name}, built in, as the layout suggests; --config takes another"
         ));
     }
+    let figures = figures::show(&session, args.strict)?;
+    let name = &session.input().sequence().name;
+    let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), name).or_output()?;
+    let (show, json, is_strict) = (args.show.clone(), args.json, args.strict);
     let Chosen { preset, notices, .. } = chosen;
     let lengths_m = args.lengths.clone();
-    let job = Job { session, preset, notices, replay, lengths_m, folder, extras, show, viewer, json, watch };
+    let job = Job {
+        session,
+        figures,
+        is_strict,
+        preset,
+        notices,
+        replay,
+        lengths_m,
+        folder,
+        extras,
+        show,
+        viewer,
+        json,
+        watch,
+    };
     job::execute(&job, &stop).map(|(_, exit)| exit)
 }
 

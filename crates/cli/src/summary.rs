@@ -1,6 +1,6 @@
 //! The numbers of a run as `summary.json` holds them.
 
-use dsslam::Error;
+use dsslam::{Error, Figures, Verdict};
 use eval::Evaluation;
 use runtime::{FrameRecord, RunOutcome, Timings};
 use serde::{Serialize, Serializer};
@@ -58,6 +58,8 @@ pub(crate) struct Summary {
     pub(crate) ate_rmse_m: Option<f64>,
     /// Frames compared for it.
     pub(crate) ate_frames: Option<usize>,
+    /// Estimated over true lengths; `null` for a single camera, without ground truth, and where the path is too short to tell.
+    pub(crate) scale_against_truth: Option<f64>,
     /// KITTI's translation error, percent; frames without a pose continue the last relative motion.
     pub(crate) t_rel_percent: Option<f64>,
     /// KITTI's rotation error, degrees per 100 m.
@@ -93,8 +95,16 @@ pub(crate) struct Summary {
     pub(crate) without_pose: Vec<WithoutPose>,
     /// The built-in configuration that the layout of the sequence has chosen; `null` where there is none or another was given.
     pub(crate) preset: Option<&'static str>,
-    /// What the person was told before the run.
+    /// What the person was told, doubts included.
     pub(crate) notices: Vec<String>,
+    /// What the run rests on, in words, by name.
+    #[serde(serialize_with = "as_object")]
+    pub(crate) figures: Vec<(&'static str, String)>,
+    /// Rules that found a figure of before the run implausible; the words stand in `notices`.
+    pub(crate) doubts: Vec<&'static str>,
+    /// Why frames have no pose, with the number of frames, the most frequent reason first.
+    #[serde(serialize_with = "as_object")]
+    pub(crate) causes: Vec<(&'static str, usize)>,
 }
 
 /// Times of a stage, milliseconds.
@@ -134,8 +144,12 @@ pub(crate) struct Context {
     pub(crate) schedule: &'static str,
     /// The built-in configuration that the layout of the sequence has chosen.
     pub(crate) preset: Option<&'static str>,
-    /// What the person was told before the run.
+    /// What the person was told, doubts included.
     pub(crate) notices: Vec<String>,
+    /// What the run rests on.
+    pub(crate) figures: Figures,
+    /// Estimated over true lengths.
+    pub(crate) scale_against_truth: Option<f64>,
 }
 
 /// Checksums of files.
@@ -184,6 +198,7 @@ impl Summary {
             alignment: errors.map(|e| e.alignment.to_string()),
             ate_rmse_m: errors.map(|e| e.ate_m.rmse),
             ate_frames: errors.map(|e| e.ate_m.n),
+            scale_against_truth: context.scale_against_truth,
             t_rel_percent: errors.and_then(|e| e.t_rel_percent),
             r_rel_deg_per_100m: errors.and_then(|e| e.r_rel_deg_per_100m),
             t_rel_filled_frames: errors.map(|e| e.coverage.n_lost),
@@ -203,12 +218,10 @@ impl Summary {
             without_pose,
             preset: context.preset,
             notices: context.notices,
+            doubts: context.figures.doubts.iter().map(|doubt| doubt.rule).collect(),
+            figures: context.figures.lines.into_iter().map(|figure| (figure.name, figure.text)).collect(),
+            causes: Verdict::of(&outcome.frames).causes,
         }
-    }
-
-    /// Whether a single frame has a pose.
-    pub(crate) fn is_usable(&self) -> bool {
-        self.tracked > 0
     }
 }
 
@@ -221,8 +234,8 @@ fn stage_times(timings: &Timings) -> Vec<(&'static str, StageTimes)> {
 }
 
 /// Pairs as one JSON object that keeps their order.
-fn as_object<S: Serializer>(stages: &[(&'static str, StageTimes)], to: S) -> Result<S::Ok, S::Error> {
-    to.collect_map(stages.iter().copied())
+fn as_object<T: Serialize, S: Serializer>(pairs: &[(&'static str, T)], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }
 
 /// The frames that have no pose of their own, in order, each with its reason.

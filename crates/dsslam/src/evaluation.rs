@@ -2,8 +2,11 @@
 
 use std::borrow::Cow;
 
-use eval::{Alignment, Estimate, Evaluation, EvaluationOptions, Subject, TIMESTAMP_TOLERANCE_S};
-use geometry::SE3;
+use eval::{
+    Alignment, Estimate, Evaluation, EvaluationOptions, Subject, TIMESTAMP_TOLERANCE_S, apply_alignment,
+    estimate_alignment, positions,
+};
+use geometry::{SE3, Vec3};
 use io::{Sensor, Sequence, StampedPose, Trajectory};
 use runtime::FrameRecord;
 
@@ -66,10 +69,31 @@ impl<'a> Compared<'a> {
     }
 }
 
+/// Estimated over true lengths; `None` for a free scale, and where the path is too short to tell.
+pub fn scale_against_truth(evaluation: &Evaluation) -> Option<f64> {
+    /// Frames that tell, and how far they must spread over what is left when the estimate is scaled.
+    const MIN_FRAMES: usize = 10;
+    const MIN_SPREAD: f64 = 3.0;
+    if evaluation.alignment != Alignment::Se3 {
+        return None;
+    }
+    let matched = &evaluation.matched;
+    let pairs = matched.est.iter().zip(&matched.gt).filter_map(|(est, gt)| Some(((*est)?, *gt)));
+    let (est, gt): (Vec<SE3>, Vec<SE3>) = pairs.unzip();
+    let gt_from_est = estimate_alignment(&est, &gt, Alignment::Sim3).ok()?;
+    let (moved, truth) = (positions(&apply_alignment(&gt_from_est, &est)), positions(&gt));
+    let n = truth.len() as f64;
+    let middle = truth.iter().sum::<Vec3>() / n;
+    let spread_sq: f64 = truth.iter().map(|position| (position - middle).norm_squared()).sum();
+    let left_sq: f64 = moved.iter().zip(&truth).map(|(a, b)| (a - b).norm_squared()).sum();
+    let tells = truth.len() >= MIN_FRAMES && spread_sq > MIN_SPREAD * MIN_SPREAD * left_sq;
+    (tells && gt_from_est.scale > 0.0).then(|| 1.0 / gt_from_est.scale)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::{SO3, Vec3};
+    use geometry::SO3;
     use runtime::FrameStatus;
 
     /// Frames on an arc, ten a second, and the sequence whose ground truth they are exactly, the body being elsewhere.

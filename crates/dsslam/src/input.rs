@@ -101,6 +101,11 @@ impl Input {
         Ok(Self { intake, feed: Box::new(feed) })
     }
 
+    /// What was opened.
+    pub fn path(&self) -> &Path {
+        &self.intake.path
+    }
+
     /// The frames, reduced and rectified.
     pub fn feed(&self) -> &dyn FrameFeed {
         self.feed.as_ref()

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use runtime::{Journal, Observer, RunError, RunOutcome, Schedule, Setup};
 use synth::World;
 
-use crate::{Config, Error, Finished, Input, InputOptions, SlamOptions};
+use crate::{Config, Error, Figures, Finished, Input, InputOptions, SlamOptions};
 
 /// How a session is opened; the default does what the configuration says.
 #[derive(Clone, Debug, Default)]
@@ -89,6 +89,12 @@ impl Session {
     /// What the user should know before the run.
     pub fn notices(&self) -> &[String] {
         &self.notices
+    }
+
+    /// What the run will rest on, and what of it is implausible: looked at before the first frame. Reads a few frames, unless
+    /// they come as a stream.
+    pub fn figures(&self) -> Figures {
+        Figures::of(self)
     }
 
     /// Runs over all frames.

@@ -63,6 +63,16 @@ impl FrameStatus {
             FrameStatus::Dropped(reason) => Some(reason.to_string()),
         }
     }
+
+    /// The reason in a few words without numbers and names, the same for every frame that has it; `None` with a pose.
+    pub fn cause(&self) -> Option<&'static str> {
+        match self {
+            FrameStatus::NotReady(reason) => Some(reason.cause()),
+            FrameStatus::Tracked { .. } => None,
+            FrameStatus::Lost(reason) => Some(reason.cause()),
+            FrameStatus::Dropped(reason) => Some(reason.cause()),
+        }
+    }
 }
 
 impl fmt::Display for FrameStatus {
@@ -107,6 +117,22 @@ pub enum Unusable {
     /// The frame came while tracking was behind.
     #[error("skipped: tracking was behind")]
     Skipped,
+}
+
+impl Unusable {
+    /// The reason in a few words without numbers and names.
+    pub fn cause(&self) -> &'static str {
+        match self {
+            Unusable::Image(ImageError::Missing { .. }) | Unusable::Missing(_) => "an image is missing",
+            Unusable::Image(ImageError::WrongSize { .. }) | Unusable::Size { .. } => {
+                "an image has another size than expected"
+            }
+            Unusable::Image(_) => "an image cannot be read",
+            Unusable::Unrectified(_) => "a camera is not calibrated",
+            Unusable::Network(_) => "the network does not work",
+            Unusable::Skipped => "tracking was behind",
+        }
+    }
 }
 
 /// A frame after the run.

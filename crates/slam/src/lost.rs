@@ -41,6 +41,15 @@ impl Lost {
         };
         if progress(&other) > progress(&self) { other } else { self }
     }
+
+    /// The reason in a few words without numbers.
+    pub fn cause(&self) -> &'static str {
+        match self {
+            Lost::TooFewMatches { .. } => "too few matches with the last frame and the reference keyframe",
+            Lost::TooFewPredictedInliers { .. } => "the predicted pose has too few inliers",
+            Lost::TooFewLocalInliers { .. } => "the local map confirms too few points",
+        }
+    }
 }
 
 impl fmt::Display for Lost {
@@ -78,6 +87,18 @@ pub enum NotReady {
     NoPair(NoPair),
     /// The keyframe that starts the map is not in it yet.
     MapStarting,
+}
+
+impl NotReady {
+    /// The reason in a few words without numbers.
+    pub fn cause(&self) -> &'static str {
+        match self {
+            NotReady::TooFewDepths { features: 0, .. } => "the image has no features",
+            NotReady::TooFewDepths { .. } => "too few features have a depth",
+            NotReady::NoPair(reason) => reason.cause(),
+            NotReady::MapStarting => "the map is being initialized",
+        }
+    }
 }
 
 impl fmt::Display for NotReady {

@@ -11,6 +11,7 @@ mod end_to_end;
 mod english;
 mod evaluation;
 mod event_stream;
+mod figures;
 mod map_file;
 mod program;
 mod pushed;

@@ -30,6 +30,9 @@ pub(crate) struct RunArgs {
     /// Prints summary.json and nothing else on standard output.
     #[arg(long)]
     pub(crate) json: bool,
+    /// Refuses the run where a figure is doubtful, such as the focal length or the unit of depth; otherwise that is a warning.
+    #[arg(long)]
+    pub(crate) strict: bool,
     /// Stops after this many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_frames: Option<u32>,

@@ -88,4 +88,19 @@ impl fmt::Display for TwoViewFailure {
     }
 }
 
+impl TwoViewFailure {
+    /// The failure in a few words without numbers, the same for every pair of views that fails so.
+    #[must_use]
+    pub fn cause(&self) -> &'static str {
+        match self {
+            Self::TooFewMatches { .. } => "too few matches between two views",
+            Self::NoModel { .. } => "no motion explains the matches between two views",
+            Self::TooFewPoints { .. } => "too few matches agree with the motion between two views",
+            Self::TooLittleParallax { .. } => "too little parallax",
+            Self::Ambiguous { .. } => "two motions explain the views equally well",
+            Self::Uncertain { .. } => "the direction of the move is uncertain",
+        }
+    }
+}
+
 impl std::error::Error for TwoViewFailure {}

@@ -73,6 +73,19 @@ pub enum NoPair {
     },
 }
 
+impl NoPair {
+    /// The reason in a few words without numbers.
+    pub fn cause(&self) -> &'static str {
+        match self {
+            NoPair::TooFewFeatures { .. } => "too few features",
+            NoPair::First => "the first of two views was chosen",
+            NoPair::TooFewMatches { .. } => "too few matches with the first view",
+            NoPair::TwoView(failure) => failure.cause(),
+            NoPair::TooFewPoints { .. } => "too few points survive the adjustment of both views",
+        }
+    }
+}
+
 impl fmt::Display for NoPair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
