@@ -77,7 +77,9 @@ fn depth(facts: &Facts) -> Option<Doubt> {
         Sensor::Mono => return None,
     };
     let is_rgbd = facts.sensor == Sensor::Rgbd;
-    let Some([near, median, far]) = spread_m(&facts.sights) else {
+    let n_depths: usize = facts.sights.iter().map(|sight| sight.depths_m.len()).sum();
+    let Some([near, median, far]) = spread_m(&facts.sights).filter(|_| is_rgbd || n_depths >= MIN_MATCHES)
+    else {
         let nothing = is_rgbd && !facts.sights.is_empty();
         return if nothing { doubt("depth", "the depth images hold no depth".to_owned()) } else { None };
     };

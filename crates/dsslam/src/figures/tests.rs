@@ -23,7 +23,7 @@ fn pairing(n: usize, disparity: f32, rows: f32) -> Pairing {
 fn sight() -> Sight {
     let look = Look { brightness: 95.0, corners: 1000 };
     let pairing = Some(pairing(400, 30.0, 0.3));
-    Sight { left: look, right: Some(look), pairing, depths_m: vec![8.0, 20.0, 70.0], with_depth: None }
+    Sight { left: look, right: Some(look), pairing, depths_m: [8.0, 20.0, 70.0].repeat(9), with_depth: None }
 }
 
 /// What a good stereo sequence says.
