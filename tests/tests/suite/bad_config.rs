@@ -90,7 +90,7 @@ fn without_a_folder_the_results_go_to_the_working_directory() {
     fs::write(taken.path().join("results"), "").unwrap();
     let call = ended(command(&["run", text(&path)]).current_dir(taken.path()).output().unwrap());
     assert_eq!(call.code, 3, "{call}");
-    assert!(call.stderr.starts_with("error: results/seq: cannot be written: "), "{call}");
+    assert!(call.stderr.contains("\nerror: results/seq: cannot be written: "), "{call}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use geometry::Sensor;
 use super::Doubt;
 use super::facts::Facts;
 use super::lines::{short, spread_m};
-use super::sight::{Look, Pairing, Sight};
+use super::sight::{Look, Pairing};
 
 /// Brightness below which an image is dark; streets at night have 20 and more.
 const DARK: f64 = 10.0;
@@ -29,14 +29,10 @@ const SWAPPED: usize = 3;
 /// All doubts of these rules.
 pub(super) fn doubts(facts: &Facts) -> Vec<Doubt> {
     let sights = &facts.sights;
-    let sides: [(&str, fn(&Sight) -> Option<Look>); 2] =
-        [("left", |sight| Some(sight.left)), ("right", |sight| sight.right)];
-    let looks = sides.map(|(name, of)| (name, sights.iter().filter_map(of).collect::<Vec<Look>>()));
-    let has_right = facts.sensor == Sensor::Stereo;
-    let mut found: Vec<Doubt> = looks
-        .into_iter()
-        .filter_map(|(name, looks)| blank(if has_right { name } else { "camera's" }, &looks))
-        .collect();
+    let left: Vec<Look> = sights.iter().map(|sight| sight.left).collect();
+    let right: Vec<Look> = sights.iter().filter_map(|sight| sight.right).collect();
+    let left_name = if facts.sensor == Sensor::Stereo { "left" } else { "camera's" };
+    let mut found: Vec<Doubt> = blank(left_name, &left).into_iter().chain(blank("right", &right)).collect();
     let is_blank = !found.is_empty();
     found.extend(depth(facts));
     let pairings: Vec<&Pairing> = sights.iter().filter_map(|sight| sight.pairing.as_ref()).collect();
