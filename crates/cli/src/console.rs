@@ -3,7 +3,7 @@
 //! A closed pipe (`dsslam run ... | head`) is not an error; colors appear only on a terminal and never with `NO_COLOR`; progress bars appear
 //! only on a terminal. `--quiet`, `-v` and `--log-format` are set once, before the command begins.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum};
@@ -68,6 +68,7 @@ pub(crate) struct Message {
 }
 
 static VOICE: OnceLock<Voice> = OnceLock::new();
+static UNSAID: OnceLock<String> = OnceLock::new();
 
 /// Sets how the program speaks from now on; the first call counts.
 pub(crate) fn set_voice(voice: Voice) {
@@ -145,8 +146,19 @@ impl<T: Into<String>> From<T> for Message {
 
 /// Prints one line of results to standard output.
 pub(crate) fn say(line: impl AsRef<str>) {
-    // A reader that has gone away has seen what it wanted.
-    let _ = writeln!(std::io::stdout(), "{}", line.as_ref());
+    let mut stdout = std::io::stdout().lock();
+    match writeln!(stdout, "{}", line.as_ref()).and_then(|()| stdout.flush()) {
+        // A reader that has gone away has seen what it wanted.
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            let _ = UNSAID.set(error.to_string());
+        }
+        _ => {}
+    }
+}
+
+/// Why standard output did not take everything, such as a full disk; `None` if it did, or if its reader has gone away.
+pub(crate) fn unsaid() -> Option<&'static str> {
+    UNSAID.get().map(String::as_str)
 }
 
 /// Prints a message to standard error, if one of its level is wanted.

@@ -54,5 +54,5 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
         json,
         watch,
     };
-    job::execute(&job, &stop).map(|(_, exit)| exit)
+    job::execute(&job, &stop)
 }

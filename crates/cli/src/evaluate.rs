@@ -1,6 +1,7 @@
 //! `dsslam eval`: lends the evaluation what this program knows.
 
 use std::cell::OnceCell;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use dsfeat::{Model, Network};
@@ -34,7 +35,8 @@ pub(crate) fn run(command: EvalCommand) -> Result<Exit, Failure> {
     match command.run(&host) {
         Ok(()) => Ok(Exit::Done),
         Err(error) => {
-            let is_output = matches!(error.downcast_ref(), Some(FileError::Unwritable { .. }));
+            let is_output = matches!(error.downcast_ref(), Some(FileError::Unwritable { .. }))
+                || error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == ErrorKind::StorageFull);
             Err(Failure { exit: if is_output { Exit::Output } else { Exit::Input }, error })
         }
     }

@@ -16,6 +16,7 @@ mod figures;
 mod files;
 mod help;
 mod job;
+mod outputs;
 mod progress;
 mod render;
 mod report;
@@ -32,6 +33,7 @@ mod telling;
 mod vocab;
 
 use std::ffi::OsString;
+use std::io::ErrorKind;
 
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
@@ -49,7 +51,19 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         console::note(console::error(failure.to_string()));
         failure.exit
     });
+    if let Some(reason) = console::unsaid() {
+        console::note(console::error(format!("standard output cannot be written: {reason}")));
+        return Exit::Output.code();
+    }
     exit.code()
+}
+
+/// Whether arguments, the program's name first, are a command line; nothing is done.
+///
+/// # Errors
+/// What is wrong with them, or the help that they ask for.
+pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<(), clap::Error> {
+    Cli::try_parse_from(arguments).map(drop)
 }
 
 fn dispatch(command: Command) -> Result<Exit, Failure> {
@@ -84,5 +98,9 @@ fn refused(error: &clap::Error) -> ! {
         console::note(console::error(moved));
         std::process::exit(i32::from(Exit::Input.code()));
     }
-    error.exit()
+    if error.print().is_err_and(|error| error.kind() != ErrorKind::BrokenPipe) {
+        console::note(console::error("standard output cannot be written: is the disk full?"));
+        std::process::exit(i32::from(Exit::Output.code()));
+    }
+    std::process::exit(error.exit_code());
 }

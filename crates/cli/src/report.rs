@@ -12,6 +12,7 @@ const SHOWN_GROUPS: usize = 8;
 pub(crate) fn text(summary: &Summary, folder: &Path) -> String {
     let mut text = String::new();
     counts(&mut text, summary);
+    submaps(&mut text, summary);
     errors(&mut text, summary);
     times(&mut text, summary);
     row(&mut text, "results", &folder.display().to_string());
@@ -61,12 +62,33 @@ fn places(s: &Summary) -> String {
     places
 }
 
+/// One line for each of several sub-maps.
+fn submaps(text: &mut String, s: &Summary) {
+    for (i, submap) in s.per_submap.iter().enumerate() {
+        let error = match (submap.ate_rmse_m, submap.path_m, &submap.evaluation_problem) {
+            (Some(ate), Some(path), _) => format!(", ATE {ate:.4} m rmse, path {path:.1} m"),
+            (_, _, Some(problem)) => format!(", error not computed: {problem}"),
+            _ => String::new(),
+        };
+        let ends = [submap.first_frame, submap.last_frame].map(Option::unwrap_or_default);
+        let line = format!(
+            "{}: {} poses from frame {} to {}{error}",
+            submap.submap, submap.tracked, ends[0], ends[1]
+        );
+        row(text, if i == 0 { "sub-maps" } else { "" }, &line);
+    }
+}
+
 fn errors(text: &mut String, s: &Summary) {
     if let Some(problem) = &s.evaluation_problem {
         row(text, "error", &format!("not computed: {problem}"));
     }
     let (Some(ate), Some(alignment), Some(path)) = (s.ate_rmse_m, &s.alignment, s.path_m) else { return };
-    row(text, "ATE", &format!("{ate:.4} m rmse ({alignment} alignment), path {path:.1} m"));
+    let of = s
+        .per_submap
+        .first()
+        .map_or(String::new(), |largest| format!(", of sub-map {} alone", largest.submap));
+    row(text, "ATE", &format!("{ate:.4} m rmse ({alignment} alignment), path {path:.1} m{of}"));
     if let Some(scale) = s.scale_against_truth {
         row(text, "scale", &format!("estimated lengths are {scale:.4} times the true ones"));
     }

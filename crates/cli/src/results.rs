@@ -1,6 +1,6 @@
 //! The results folder: made and checked before the work starts, each file written whole or not at all.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -17,23 +17,26 @@ pub(crate) struct ResultsFolder {
     path: PathBuf,
     /// `<sequence>/<time>` when the folder lies in `results/` and `results/latest` should show it.
     latest: Option<PathBuf>,
+    /// Locked as long as it is held, also if the program is killed; `None` where folders cannot be locked.
+    _lock: Option<File>,
 }
 
 impl ResultsFolder {
     /// Exactly `out`, or a new folder `results/<sequence>/<time>` below `parent`.
     ///
     /// # Errors
-    /// When the folder cannot be made or a file in it cannot be written.
+    /// When the folder cannot be made, a file in it cannot be written, or another run writes into it.
     pub(crate) fn create(out: Option<&Path>, parent: &Path, sequence: &str) -> Result<Self> {
-        let folder = match out {
-            Some(out) => Self { path: out.to_owned(), latest: None },
+        let (path, latest) = match out {
+            Some(out) => (out.to_owned(), None),
             None => {
                 let latest = new_subfolder(&parent.join(RESULTS), &safe_name(sequence))?;
-                Self { path: parent.join(RESULTS).join(&latest), latest: Some(latest) }
+                (parent.join(RESULTS).join(&latest), Some(latest))
             }
         };
-        io::create_output_folder(&folder.path)?;
-        Ok(folder)
+        io::create_output_folder(&path)?;
+        let lock = lock(&path)?;
+        Ok(Self { path, latest, _lock: lock })
     }
 
     /// Where the files go.
@@ -79,6 +82,21 @@ impl ResultsFolder {
         symlink(target, &part)
             .and_then(|()| fs::rename(&part, &link))
             .with_context(|| format!("{}: cannot be created", link.display()))
+    }
+}
+
+/// Locks a folder against other runs; not every system and file system can.
+fn lock(folder: &Path) -> Result<Option<File>> {
+    let Ok(handle) = File::open(folder) else { return Ok(None) };
+    match handle.try_lock() {
+        Ok(()) => Ok(Some(handle)),
+        Err(TryLockError::WouldBlock) => {
+            bail!(
+                "{}: another run is writing its results into this folder, expected an --out of its own",
+                folder.display()
+            )
+        }
+        Err(TryLockError::Error(_)) => Ok(None),
     }
 }
 
@@ -162,6 +180,18 @@ mod tests {
         fs::write(&out, b"").unwrap();
         let error = ResultsFolder::create(Some(&out), parent.path(), "town").unwrap_err();
         assert!(format!("{error:#}").starts_with(&format!("{}: cannot be written: ", out.display())));
+    }
+
+    /// Two runs into one folder both ended well, their results mixed.
+    #[test]
+    fn a_folder_that_another_run_writes_into_is_refused_until_that_ends() {
+        let parent = tempfile::tempdir().unwrap();
+        let out = parent.path().join("out");
+        let first = ResultsFolder::create(Some(&out), parent.path(), "town").unwrap();
+        let error = ResultsFolder::create(Some(&out), parent.path(), "town").unwrap_err().to_string();
+        assert!(error.starts_with(&format!("{}: another run is writing", out.display())), "{error}");
+        drop(first);
+        ResultsFolder::create(Some(&out), parent.path(), "town").unwrap();
     }
 
     #[test]

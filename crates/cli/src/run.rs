@@ -58,7 +58,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
         json,
         watch,
     };
-    job::execute(&job, &stop).map(|(_, exit)| exit)
+    job::execute(&job, &stop)
 }
 
 /// The configuration. Images that are opened by a calibration file of their own have no layout.

@@ -1,5 +1,6 @@
 //! The numbers of a run as `summary.json` holds them.
 
+use dsslam::trajectories::own_pose;
 use dsslam::{Error, Figures, Verdict};
 use eval::Evaluation;
 use runtime::{FrameRecord, RunOutcome, Timings};
@@ -52,6 +53,8 @@ pub(crate) struct Summary {
     pub(crate) disparity_offset_px: f64,
     /// Standard deviation of what the calibration pass found, pixels; `null` without one.
     pub(crate) disparity_offset_sigma_px: Option<f64>,
+    /// Where frames have poses in several sub-maps: the figures of each, the largest first. All others are those of the largest.
+    pub(crate) per_submap: Vec<SubmapFigures>,
     /// What was aligned before the absolute error was taken: `SE3` or `Sim3`.
     pub(crate) alignment: Option<String>,
     /// Absolute trajectory error, root mean square over all frames with a pose, meters.
@@ -83,8 +86,8 @@ pub(crate) struct Summary {
     pub(crate) cpu_s: Option<f64>,
     /// Largest resident memory, 10^6 bytes.
     pub(crate) peak_rss_mb: Option<f64>,
-    /// SHA-256 of `trajectory.kitti.txt`.
-    pub(crate) trajectory_sha256: String,
+    /// SHA-256 of `trajectory.kitti.txt`; `null` if it could not be written.
+    pub(crate) trajectory_sha256: Option<String>,
     /// A 64-bit number for the whole map, hexadecimal: equal maps have equal ones.
     pub(crate) map_digest: String,
     /// SHA-256 of the map's file, if one was written.
@@ -118,6 +121,45 @@ pub(crate) struct StageTimes {
     pub(crate) p95: f64,
     /// Maximum.
     pub(crate) max: f64,
+}
+
+/// Figures of one of several sub-maps.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct SubmapFigures {
+    /// Its name, as in `frames.csv`.
+    pub(crate) submap: String,
+    /// Frames with a pose in it.
+    pub(crate) tracked: usize,
+    /// The first of them.
+    pub(crate) first_frame: Option<u32>,
+    /// The last of them.
+    pub(crate) last_frame: Option<u32>,
+    /// Absolute trajectory error of its own alignment, root mean square, meters.
+    pub(crate) ate_rmse_m: Option<f64>,
+    /// Length of the true path from its first to its last frame, meters.
+    pub(crate) path_m: Option<f64>,
+    /// Why there is no error although there is ground truth.
+    pub(crate) evaluation_problem: Option<String>,
+}
+
+impl SubmapFigures {
+    /// The figures of the frames of one sub-map, which begin and end with a pose in it.
+    pub(crate) fn new(
+        name: &str,
+        frames: &[FrameRecord],
+        evaluation: Option<&Result<Evaluation, Error>>,
+    ) -> Self {
+        let errors = evaluation.and_then(|evaluation| evaluation.as_ref().ok());
+        Self {
+            submap: name.to_owned(),
+            tracked: frames.iter().filter(|frame| own_pose(frame).is_some()).count(),
+            first_frame: frames.first().map(|frame| frame.index),
+            last_frame: frames.last().map(|frame| frame.index),
+            ate_rmse_m: errors.map(|e| e.ate_m.rmse),
+            path_m: errors.map(|e| e.path_m),
+            evaluation_problem: evaluation.and_then(|e| e.as_ref().err()).map(ToString::to_string),
+        }
+    }
 }
 
 /// A frame that has no pose of its own.
@@ -155,8 +197,8 @@ pub(crate) struct Context {
 /// Checksums of files.
 #[derive(Clone, Debug)]
 pub(crate) struct Checksums {
-    /// SHA-256 of `trajectory.kitti.txt`.
-    pub(crate) trajectory: String,
+    /// SHA-256 of `trajectory.kitti.txt`, if it was written.
+    pub(crate) trajectory: Option<String>,
     /// SHA-256 of the map's file, if one was written.
     pub(crate) map: Option<String>,
 }
@@ -167,6 +209,7 @@ impl Summary {
         context: Context,
         outcome: &RunOutcome,
         evaluation: Option<&Result<Evaluation, Error>>,
+        per_submap: Vec<SubmapFigures>,
         checksums: Checksums,
         wall_s: f64,
     ) -> Self {
@@ -195,6 +238,7 @@ impl Summary {
             global_adjustments: statistics.globals_adopted,
             disparity_offset_px: outcome.disparity_offset_px,
             disparity_offset_sigma_px: outcome.calibration.map(|estimate| estimate.sigma_px),
+            per_submap,
             alignment: errors.map(|e| e.alignment.to_string()),
             ate_rmse_m: errors.map(|e| e.ate_m.rmse),
             ate_frames: errors.map(|e| e.ate_m.n),

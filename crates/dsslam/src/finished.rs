@@ -8,7 +8,7 @@ use map::MapFileInfo;
 use runtime::{RunOutcome, Setup};
 
 use crate::intake::Intake;
-use crate::{Error, maps, trajectories};
+use crate::{Error, maps, submaps, trajectories};
 
 /// The results of a run.
 #[derive(Clone, Debug)]
@@ -38,15 +38,23 @@ impl Finished {
     }
 
     /// Poses `world_from_cam` of the left camera at the frames that were tracked, after all corrections of the map; meters, of
-    /// one camera in the map's own unit.
+    /// one camera in the map's own unit. Where the run has several sub-maps, those of the largest.
     pub fn trajectory(&self) -> Trajectory {
-        trajectories::tracked_poses(&self.outcome.frames)
+        trajectories::tracked_poses(&submaps::of_largest(&self.outcome.frames))
+    }
+
+    /// As [`Finished::trajectory`], one for each sub-map, the largest first: they are in unrelated coordinate frames.
+    pub fn trajectories(&self) -> Vec<Trajectory> {
+        let frames = &self.outcome.frames;
+        let of = |submap| trajectories::tracked_poses(&submaps::of_submap(frames, submap));
+        submaps::submaps(frames).into_iter().map(of).collect()
     }
 
     /// As [`Finished::trajectory`], of the body where the cameras have one, such as the inertial unit of a EuRoC folder.
     pub fn body_trajectory(&self) -> Trajectory {
         let sensor = self.info.sensor.unwrap_or(Sensor::Mono);
-        match trajectories::body_records(&self.outcome.frames, sensor, &self.body_from_left) {
+        let frames = submaps::of_largest(&self.outcome.frames);
+        match trajectories::body_records(&frames, sensor, &self.body_from_left) {
             Some(records) => trajectories::tracked_poses(&records),
             None => self.trajectory(),
         }

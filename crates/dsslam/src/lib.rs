@@ -56,6 +56,7 @@ mod rendered;
 mod session;
 mod setup;
 mod slam;
+pub mod submaps;
 pub mod trajectories;
 mod verdict;
 mod video;

@@ -1,5 +1,6 @@
 //! `dsslam eval`: the command line of this package, included by the `dsslam` program.
 
+mod hints;
 mod loops;
 mod out;
 mod suite;

@@ -11,3 +11,8 @@ pub(super) fn say(text: impl AsRef<str>) -> Result<()> {
         _ => Ok(()),
     }
 }
+
+/// Prints a hint to standard error, where it is in nobody's way.
+pub(super) fn hint(text: &str) {
+    let _ = writeln!(std::io::stderr(), "hint: {text}");
+}

@@ -6,7 +6,8 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use io::{Stamps, TrajectoryFile, TrajectoryFormat, read_trajectory};
 
-use super::out::say;
+use super::hints::{self, Named};
+use super::out::{hint, say};
 use crate::plot::{self, DriftAxis, DriftFigure, ErrorFigure, TrajectoryFigure, View};
 use crate::{
     Alignment, Association, DeltaUnit, Estimate, Evaluation, EvaluationOptions, KITTI_LENGTHS_M, LostFrames,
@@ -101,8 +102,16 @@ impl From<FormatArg> for TrajectoryFormat {
 pub(super) fn run(args: &TrajArgs) -> Result<()> {
     let est = read_trajectory(&args.est, args.format.map(Into::into))?;
     let gt = read_trajectory(&args.gt, args.gt_format.or(args.format).map(Into::into))?;
-    let evaluation = evaluate(args, &est, &gt)
-        .with_context(|| format!("cannot compare {} with {}", args.est.display(), args.gt.display()))?;
+    let [est_name, gt_name] = [&args.est, &args.gt].map(|path| path.display().to_string());
+    let (named_est, named_gt) = (Named { name: est_name, file: &est }, Named { name: gt_name, file: &gt });
+    let evaluated = evaluate(args, &est, &gt);
+    let mut hints = hints::of_files(&named_est, &named_gt);
+    if let Ok(evaluation) = &evaluated {
+        hints.extend(hints::of_poses(&named_est, &named_gt, evaluation));
+    }
+    hints.iter().for_each(|text| hint(text));
+    let evaluation =
+        evaluated.with_context(|| format!("cannot compare {} with {}", named_est.name, named_gt.name))?;
     if args.json {
         say(serde_json::to_string_pretty(&evaluation)?)?;
     } else {

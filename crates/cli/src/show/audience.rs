@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
+use anyhow::Context;
 use events::FILE_NAME;
 use runtime::{Event, EventStream, Observer, RunOutcome, StreamOptions, StreamReport};
 
-use super::process::{Ended, create};
+use super::process::Ended;
+use super::yielding::{Room, YieldingFile};
 use super::{Manner, ViewerProcess, start};
 use crate::console;
 use crate::exit::{Failure, OrExit};
@@ -20,6 +22,8 @@ pub(crate) struct Audience {
     pub(crate) progress: Progress,
     /// To `events.dslog`.
     file: Option<EventStream>,
+    /// What that file takes of the disk.
+    room: Option<Room>,
     /// To the viewer.
     viewer: Option<(EventStream, ViewerProcess)>,
 }
@@ -32,10 +36,14 @@ impl Audience {
     pub(crate) fn gather(job: &Job) -> Result<Self, Failure> {
         let (show, path) = (&job.show, job.folder.file(FILE_NAME));
         let options = StreamOptions { image_every: show.rerun_every, ..StreamOptions::default() };
-        let mut audience = Audience { progress: Progress::new(), file: None, viewer: None };
+        let mut audience = Audience { progress: Progress::new(), file: None, room: None, viewer: None };
         if show.events {
-            let target = Box::new(create(&path).or_output()?);
-            audience.file = Some(EventStream::start(target, start::of_job(job), options).or_output()?);
+            let target = YieldingFile::create(&path)
+                .with_context(|| format!("{}: cannot be written", path.display()))
+                .or_output()?;
+            audience.room = Some(target.room());
+            let stream = EventStream::start(Box::new(target), start::of_job(job), options);
+            audience.file = Some(stream.or_output()?);
         } else {
             // A file from an older run in the same folder would belong to that run.
             let _ = std::fs::remove_file(&path);
@@ -52,9 +60,16 @@ impl Audience {
         Ok(audience)
     }
 
+    /// Gives up the file of events, if there is one, so that something more important can be written.
+    pub(crate) fn make_room(&self) {
+        if let Some(room) = &self.room {
+            room.give();
+        }
+    }
+
     /// The end: writes what is left to write and says what went wrong with it.
-    pub(crate) fn leave(self, outcome: &RunOutcome, summary: Option<&Summary>, folder: &Path) {
-        let numbers = summary.map_or(String::new(), |summary| report::text(summary, folder));
+    pub(crate) fn leave(self, outcome: &RunOutcome, summary: &Summary, folder: &Path) {
+        let numbers = report::text(summary, folder);
         let numbers = format!("```\n{}\n```\n", numbers.trim_end());
         if let Some(stream) = self.file {
             let report = stream.finish(outcome, numbers.clone());

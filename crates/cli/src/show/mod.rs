@@ -5,6 +5,7 @@ mod process;
 mod recorded;
 mod start;
 mod view;
+mod yielding;
 
 use std::path::PathBuf;
 

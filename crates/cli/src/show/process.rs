@@ -1,7 +1,6 @@
 //! The viewer's process: found, started with a pipe, waited for. Whatever becomes of it, the run goes on.
 
 use std::ffi::OsString;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
@@ -88,14 +87,6 @@ impl ViewerProcess {
 
 /// The writing end of a pipe.
 pub(crate) type Pipe = std::process::ChildStdin;
-
-/// A file of events, new.
-///
-/// # Errors
-/// When it cannot be made.
-pub(crate) fn create(path: &Path) -> Result<File> {
-    File::create(path).with_context(|| format!("{}: cannot be written", path.display()))
-}
 
 fn arguments(file: Option<&Path>, manner: &Manner) -> Vec<OsString> {
     let mut arguments = vec![file.map_or("-".into(), |file| file.as_os_str().to_owned())];

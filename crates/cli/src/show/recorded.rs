@@ -1,6 +1,6 @@
 //! A stream made out of the files of a finished run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -11,11 +11,12 @@ use events::{
     Record, StageTime, Start,
 };
 use geometry::SE3;
-use io::TrajectoryFormat;
+use io::{StampedPose, TrajectoryFormat};
+use map::KeyframeId;
 use serde_json::Value;
 
 use super::start::position;
-use crate::job::TRUTH_FILE;
+use crate::outputs::{TRUTH_FILE, submap_file};
 
 /// A row of `frames.csv`.
 struct Row {
@@ -36,7 +37,7 @@ pub(super) fn records(folder: &Path, map: Option<&Path>) -> Result<Vec<Record>> 
         .with_context(|| folder.join("summary.json").display().to_string())?;
     let rows = rows(folder)?;
     let trajectory = folder.join("trajectory.kitti.txt");
-    let poses = io::read_trajectory(&trajectory, Some(TrajectoryFormat::Kitti))?.trajectory.poses;
+    let mut poses = io::read_trajectory(&trajectory, Some(TrajectoryFormat::Kitti))?.trajectory.poses;
     ensure!(
         poses.len() == rows.len(),
         "{}: {} rows, expected one for each of the {} frames in frames.csv",
@@ -44,6 +45,7 @@ pub(super) fn records(folder: &Path, map: Option<&Path>) -> Result<Vec<Record>> 
         poses.len(),
         rows.len()
     );
+    place_submaps(folder, &rows, &mut poses)?;
     let mut records = vec![Record::Start(start(folder, &summary, &rows)?)];
     if let Some(file) = map {
         let bytes = fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
@@ -66,6 +68,26 @@ pub(super) fn records(folder: &Path, map: Option<&Path>) -> Result<Vec<Record>> 
     }
     records.push(Record::End(End { trajectory, summary: table(&summary), left_out: 0 }));
     Ok(records)
+}
+
+/// Where a run has several sub-maps, each frame gets its pose from the file of its own.
+fn place_submaps(folder: &Path, rows: &[Row], poses: &mut [StampedPose]) -> Result<()> {
+    let roots: BTreeSet<u32> = rows.iter().filter_map(|row| row.submap).collect();
+    for root in roots {
+        let file = folder.join(submap_file(&KeyframeId(root).to_string()));
+        if !file.is_file() {
+            continue;
+        }
+        let own = io::read_trajectory(&file, Some(TrajectoryFormat::Tum))?.trajectory.poses;
+        let own: BTreeMap<u64, &StampedPose> =
+            own.iter().map(|pose| (micros(pose.timestamp_s), pose)).collect();
+        for (row, pose) in rows.iter().zip(poses.iter_mut()).filter(|(row, _)| row.submap == Some(root)) {
+            if let Some(found) = own.get(&micros(row.timestamp_s)) {
+                pose.world_from_cam = found.world_from_cam;
+            }
+        }
+    }
+    Ok(())
 }
 
 fn start(folder: &Path, summary: &Value, rows: &[Row]) -> Result<Start> {

@@ -134,12 +134,14 @@ fn pairing(all: &[&Pairing]) -> Option<Doubt> {
 /// Most frames that tell agree better with a neighboring right image, always the same one.
 fn late(all: &[&Pairing]) -> Option<String> {
     let told: Vec<(usize, [usize; 2])> = all.iter().filter_map(|p| Some((p.on_row, p.neighbors?))).collect();
-    let better = |side: usize| {
-        told.iter().filter(|(own, beside)| beside[side] as f64 > BETTER * *own as f64 + 20.0).count()
-    };
-    let side = [0, 1].into_iter().find(|&side| 2 * better(side) > told.len())?;
     let own: usize = told.iter().map(|(own, _)| own).sum();
-    let beside: usize = told.iter().map(|(_, beside)| beside[side]).sum();
+    let [before, after] =
+        [0, 1].map(|side: usize| told.iter().map(|(_, beside)| beside[side]).sum::<usize>());
+    let (side, beside) = if before > after { (0, before) } else { (1, after) };
+    let is_better = |(own, all): &&(usize, [usize; 2])| all[side] as f64 > BETTER * *own as f64 + 20.0;
+    if 2 * told.iter().filter(is_better).count() <= told.len() {
+        return None;
+    }
     let which = ["before", "after"][side];
     let lag = ["early", "late"][side];
     Some(format!(

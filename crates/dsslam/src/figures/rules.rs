@@ -18,7 +18,7 @@ const OFF_CENTER: f64 = 0.2;
 const OTHER_SIZE: f64 = 0.1;
 const ALIKE: f64 = 0.03;
 /// How far the middle of an edge may be moved by the lens, as a share of the width.
-const LENS_SHIFT: f64 = 0.5;
+const LENS_SHIFT: f64 = 0.25;
 /// Baselines of cameras on one carrier, meters.
 const BASELINE_M: [f64; 2] = [0.001, 3.0];
 /// Time between frames, seconds: more than a person would call a video, and faster than any camera here.
