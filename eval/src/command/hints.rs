@@ -59,12 +59,10 @@ pub(super) fn of_poses(est: &Named<'_>, gt: &Named<'_>, evaluation: &Evaluation)
 
 /// Whether the quaternions of one file agree with the other's when they are read with w first.
 fn order(est: &Named<'_>, gt: &Named<'_>, est_poses: &[SE3], gt_poses: &[SE3]) -> Option<String> {
-    let [est_turns, gt_turns] =
-        [est_poses, gt_poses].map(|poses| poses.iter().map(|p| p.rotation).collect::<Vec<_>>());
-    let as_read = disagreement(&est_turns, &gt_turns);
+    let as_read = disagreement(est_poses, gt_poses);
     let sides = [
-        (est, disagreement(&reordered(&est_turns), &gt_turns)),
-        (gt, disagreement(&est_turns, &reordered(&gt_turns))),
+        (est, disagreement(&reordered(est_poses), gt_poses)),
+        (gt, disagreement(est_poses, &reordered(gt_poses))),
     ];
     let is_mixed = |named: &Named<'_>, other: f64| {
         named.file.format == TrajectoryFormat::Tum
@@ -78,24 +76,27 @@ fn order(est: &Named<'_>, gt: &Named<'_>, est_poses: &[SE3], gt_poses: &[SE3]) -
     ))
 }
 
-/// Rotations whose quaternions had w in the place of x.
-fn reordered(turns: &[SO3]) -> Vec<SO3> {
-    let of = |turn: &SO3| {
-        let q = turn.to_quaternion();
+/// Poses whose quaternions had w in the place of x.
+fn reordered(poses: &[SE3]) -> Vec<SE3> {
+    let of = |pose: &SE3| {
         // Read as (x, y, z, w) = (w, x, y, z) of what was meant.
+        let q = pose.rotation.to_quaternion();
         let q = nalgebra::Quaternion::new(q.i, q.j, q.k, q.w);
-        SO3::from_quaternion(&Quaternion::from_quaternion(q))
+        SE3::new(SO3::from_quaternion(&Quaternion::from_quaternion(q)), pose.translation)
     };
-    turns.iter().map(of).collect()
+    poses.iter().map(of).collect()
 }
 
-/// Mean angle between the turns since the first pose, radians.
-fn disagreement(est: &[SO3], gt: &[SO3]) -> f64 {
+/// Mean angle between the turns since the first pose, and between the directions in which its camera sees the others, radians. A
+/// straight drive tells by the second alone.
+fn disagreement(est: &[SE3], gt: &[SE3]) -> f64 {
     let (Some(first_est), Some(first_gt)) = (est.first(), gt.first()) else { return 0.0 };
-    let since = |first: &SO3, turn: &SO3| first.inverse() * *turn;
-    let angles =
-        est.iter().zip(gt).map(|(e, g)| (since(first_est, e).inverse() * since(first_gt, g)).angle());
-    angles.sum::<f64>() / est.len() as f64
+    let angle = |(e, g): (&SE3, &SE3)| {
+        let (e, g) = (first_est.inverse() * *e, first_gt.inverse() * *g);
+        let (a, b) = (e.translation, g.translation);
+        (e.rotation.inverse() * g.rotation).angle() + a.cross(&b).norm().atan2(a.dot(&b))
+    };
+    est.iter().zip(gt).map(angle).sum::<f64>() / est.len() as f64
 }
 
 /// Whether the estimate is the ground truth in another scale.
@@ -168,17 +169,26 @@ mod tests {
         );
     }
 
-    /// Situation: quaternions are written with w first.
+    /// Situation: quaternions are written with w first, of a drive around a corner or straight ahead.
     #[test]
     fn quaternions_with_w_first_are_hinted_at() {
-        let mut gt = drive(1.0, 1.0);
+        let mut straight = drive(1.0, 1.0);
+        straight.trajectory.poses.iter_mut().for_each(|pose| pose.world_from_cam.rotation = SO3::identity());
+        for est in [drive(1.0, 1.0), straight] {
+            check_order(&est);
+        }
+    }
+
+    #[track_caller]
+    fn check_order(est: &TrajectoryFile) {
+        let mut gt = est.clone();
         for pose in &mut gt.trajectory.poses {
             // Written w x y z and read x y z w.
             let q = pose.world_from_cam.rotation.to_quaternion();
             let read = nalgebra::Quaternion::new(q.k, q.w, q.i, q.j);
             pose.world_from_cam.rotation = SO3::from_quaternion(&Quaternion::from_quaternion(read));
         }
-        let found = hints(&drive(1.0, 1.0), &gt);
+        let found = hints(est, &gt);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].starts_with(
             "the quaternions of gt.txt agree with the other file when they are read as w x y z"
