@@ -156,7 +156,7 @@ fn rows(all: &[&Pairing], share: f64, matches: usize, near_median: usize) -> Str
     if near_median as f64 > ON_ROW * matches as f64 {
         return format!(
             "{percent:.0} % of {matches} matches lie on the same row of both images: the right one is {mean:+.1} px off; the calibration \
-             is not that of these images"
+             is not that of these images, or left and right are exchanged"
         );
     }
     format!(
