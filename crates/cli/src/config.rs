@@ -1,4 +1,4 @@
-//! `dsslam config`: the default configuration, and the explanation of one.
+//! `dsslam config`: the default configuration, the explanation of one, and what a calibration file says.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -43,12 +43,23 @@ pub(crate) struct CheckArgs {
     yaml: bool,
 }
 
-/// Prints the default configuration, or explains one.
+/// Arguments of `dsslam config calib`.
+#[derive(Debug, Args)]
+pub(crate) struct CalibArgs {
+    /// A calibration file in any format that `--calib` reads.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+/// Prints the default configuration, explains one, or prints what was understood of a calibration.
 ///
 /// # Errors
 /// Everything that is wrong with the file, at once.
 pub(crate) fn run(action: &ConfigAction) -> Result<Exit, Failure> {
     match action {
+        ConfigAction::Calib(args) => {
+            console::say(io::read_calibration(&args.file).or_input()?.to_yaml().trim_end());
+        }
         ConfigAction::Default(args) => console::say(default_yaml(args.expert).trim_end()),
         ConfigAction::Check(args) => {
             let (config, notices) = load(args).or_input()?;

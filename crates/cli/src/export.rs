@@ -54,6 +54,8 @@ enum Format {
     /// Poses at the keyframes, of the body as in EuRoC's ground truth where the map tells its place (stereo maps of EuRoC
     /// folders), else of the left camera: nanoseconds, position, quaternion, with commas.
     Euroc,
+    /// Poses at the keyframes as VSLAM-LAB's results have them: nanoseconds, position, quaternion x y z w, with commas.
+    Vslamlab,
 }
 
 /// What the colors of points show.
@@ -69,7 +71,7 @@ enum ColorArg {
 
 impl Format {
     fn is_trajectory(self) -> bool {
-        matches!(self, Self::Tum | Self::Kitti | Self::Euroc)
+        matches!(self, Self::Tum | Self::Kitti | Self::Euroc | Self::Vslamlab)
     }
 }
 
@@ -88,7 +90,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Exit, Failure> {
         Format::Colmap => write_colmap(args, &scene, images.as_ref())?,
         Format::Nerfstudio => write_nerfstudio(args, &scene, images.as_ref())?,
         Format::Tum | Format::Kitti => write_trajectory(args, &scene, None)?,
-        Format::Euroc => write_trajectory(args, &scene, body(args, &info).or_input()?)?,
+        Format::Euroc | Format::Vslamlab => write_trajectory(args, &scene, body(args, &info).or_input()?)?,
     }
     Ok(Exit::Done)
 }
@@ -250,6 +252,7 @@ fn write_trajectory(args: &ExportArgs, scene: &Scene, body_from_left: Option<SE3
     match args.to {
         Format::Kitti => io::write_kitti(&args.out, &trajectory),
         Format::Euroc => io::write_euroc(&args.out, &trajectory),
+        Format::Vslamlab => io::write_vslamlab(&args.out, &trajectory, &io::Clock::default()),
         _ => io::write_tum(&args.out, &trajectory),
     }
     .or_output()?;

@@ -36,9 +36,12 @@ Layouts:
   TUM RGB-D        rgb.txt, depth.txt, groundtruth.txt if there; the camera comes from the
                    configuration, and for fr1 sequences from the built-in one
   EuRoC (ASL)      mav0/cam0 and mav0/cam1, each with data.csv, data/ and sensor.yaml
-  Images           PNG or JPEG in the folder (one camera, or left and right side by side in
-                   each) or in left/ and right/; the cameras come from --calib, from
-                   calibration.yaml in the folder, or from the configuration
+  Images           in the folder (one camera, left_* and right_*, or left and right side by
+                   side in each), in left/ and right/, or in rgb/ and depth/
+  Others           KITTI raw, KITTI-360, TUM-VI, TartanAir, 7-Scenes, Replica, OpenLORIS,
+                   VSLAM-LAB (docs/inputs.md)
+  --calib FILE, or calibration.yaml in the folder, replaces the camera and nothing else;
+  `dsslam config calib FILE` prints what is read of it.
 
 Results: trajectory.kitti.txt, trajectory.tum.txt, ground_truth.tum.txt, trajectory.png, frames.csv,
 loops.csv, config.yaml, timings.csv, summary.json (docs/results.md explains them); results/latest points to the newest run.",
@@ -106,7 +109,8 @@ Examples:
   dsslam config default > my.yaml
   dsslam config default --expert
   dsslam config check my.yaml
-  dsslam config check my.yaml --sequence kitti/sequences/06 --changed",
+  dsslam config check my.yaml --sequence kitti/sequences/06 --changed
+  dsslam config calib camchain.yaml > calibration.yaml",
     )
 }
 

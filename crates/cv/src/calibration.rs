@@ -1,6 +1,6 @@
 //! OpenCV's camera models and stereo rectification, for comparison.
 
-use geometry::{CameraModel, Distortion, GrayImage, KannalaBrandt, Mat3, SE3, SO3, Vec2, Vec3};
+use geometry::{CameraModel, Distortion, GrayImage, KannalaBrandt, Mat3, Rational, SE3, SO3, Vec2, Vec3};
 use opencv::core::{self, Mat, Point2d, Point3d, Rect, Size, Vector};
 use opencv::prelude::*;
 use opencv::{calib3d, imgproc};
@@ -76,7 +76,7 @@ pub fn project(model: &CameraModel, points_cam: &[Vec3]) -> Result<Vec<Vec2>> {
     let mut pixels = Vector::<Point2d>::new();
     let mut jacobian = Mat::default();
     match model {
-        CameraModel::Pinhole { .. } => {
+        CameraModel::Pinhole { .. } | CameraModel::Rational(_) => {
             calib3d::project_points(&points, &zero, &zero, &camera, &lens, &mut pixels, &mut jacobian, 0.0)?;
         }
         CameraModel::KannalaBrandt(_) => {
@@ -110,7 +110,7 @@ pub fn rectify_maps(
     let (turn, target) = (matrix(rectified_from_cam.matrix())?, matrix(&target.matrix())?);
     let (mut x, mut y) = (Mat::default(), Mat::default());
     match model {
-        CameraModel::Pinhole { .. } => calib3d::init_undistort_rectify_map(
+        CameraModel::Pinhole { .. } | CameraModel::Rational(_) => calib3d::init_undistort_rectify_map(
             &camera,
             &lens,
             &turn,
@@ -173,5 +173,10 @@ fn coefficients(model: &CameraModel) -> Result<Mat> {
         CameraModel::KannalaBrandt(KannalaBrandt { k1, k2, k3, k4, .. }) => {
             Mat::from_slice_2d(&[[k1], [k2], [k3], [k4]])
         }
+        CameraModel::Rational(Rational {
+            upper: Distortion { k1, k2, p1, p2, k3 },
+            lower: [k4, k5, k6],
+            ..
+        }) => Mat::from_slice_2d(&[[k1, k2, p1, p2, k3, k4, k5, k6]]),
     }
 }

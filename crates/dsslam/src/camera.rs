@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use geometry::{Distortion, Pinhole, SE3, StereoRig};
+use geometry::{Distortion, Pinhole, StereoRig};
 use io::{Calibration, ImageSize, Sensor, Sequence, SequenceKind};
 
 use crate::{Config, Error, Input};
@@ -42,8 +42,7 @@ impl Camera {
         Self::of_rig(Sensor::Mono, StereoRig { camera, baseline_m: 0.0 }, distortion, width, height)
     }
 
-    /// The cameras of a calibration file: DSSLAM's YAML, EuRoC's `sensor.yaml` or BoofCV's XML. Raw images are rectified where that
-    /// is needed. `sensor`: `None` for stereo where the file has two cameras, else mono.
+    /// The cameras of a calibration file in any format of [`io::read_calibration`]. Raw images are rectified where that is needed. `sensor`: `None` for stereo where the file has two cameras, else mono.
     ///
     /// # Errors
     /// A file that is not a calibration, or stereo with one camera.
@@ -73,19 +72,8 @@ impl Camera {
 
     fn of_rig(sensor: Sensor, rig: StereoRig, distortion: Distortion, width: usize, height: usize) -> Self {
         let calibration = Calibration { rig, distortion, source: "the caller's camera".to_owned() };
-        let sequence = Sequence {
-            name: "pushed".to_owned(),
-            kind: SequenceKind::Images,
-            sensor,
-            frames: Vec::new(),
-            calibration: Some(calibration),
-            raw_calibration: None,
-            rectification: Vec::new(),
-            ground_truth: None,
-            body_from_left: SE3::identity(),
-            frame_rate_hz: None,
-            warnings: Vec::new(),
-        };
+        let calibration = Some(calibration);
+        let sequence = Sequence { calibration, ..Sequence::new("pushed", SequenceKind::Images, sensor) };
         Self { sequence, size: ImageSize { width, height } }
     }
 

@@ -104,5 +104,6 @@ fn in_force(config: &Config, sequence: &Sequence) -> (Config, Vec<String>) {
     }
     let source = sequence.calibration.as_ref().map_or(&sequence.name, |calibration| &calibration.source);
     notices.extend(sequence.frame_rate_hz.and_then(|rate| config.apply_frame_rate(rate, source)));
+    notices.extend(sequence.depth_units_per_metre.and_then(|units| config.apply_depth_units(units, source)));
     (config, notices)
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use geometry::{Distortion, SE3};
+use geometry::Distortion;
 use io::{
     Calibration, DatasetError, ImageSize, LoadedFrame, Sensor, Sequence, SequenceKind, StampedPose,
     Trajectory,
@@ -63,16 +63,8 @@ pub(crate) fn sequence(world: &World, len: usize, sensor: Sensor) -> Result<Sequ
         |i: usize| StampedPose { timestamp_s: world.timestamp_s(i), world_from_cam: world.world_from_cam(i) };
     let source = "the renderer".to_owned();
     Ok(Sequence {
-        name: name.to_owned(),
-        kind: SequenceKind::Rendered,
-        sensor,
-        frames: Vec::new(),
         calibration: Some(Calibration { rig: world.rig(), distortion: Distortion::default(), source }),
-        raw_calibration: None,
-        rectification: Vec::new(),
         ground_truth: Some(Trajectory { poses: (0..len).map(pose).collect() }),
-        body_from_left: SE3::identity(),
-        frame_rate_hz: None,
-        warnings: Vec::new(),
+        ..Sequence::new(name, SequenceKind::Rendered, sensor)
     })
 }

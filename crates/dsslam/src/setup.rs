@@ -41,7 +41,7 @@ fn expect_size(image: &Path, found: ImageSize, expected: ImageSize, because: &st
     if found == expected {
         return Ok(());
     }
-    Err(ImageError::WrongSize { path: image.to_path_buf(), found, expected, because: because.to_owned() })
+    Err(ImageError::wrong_size(image, found, expected, because))
 }
 
 /// The image size of the dataset's calibration with the position of the first frame that has it; `None` where the dataset

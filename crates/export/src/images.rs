@@ -125,8 +125,8 @@ impl SceneImages {
 
 /// The frame of a keyframe, by time.
 fn find_frame<'a>(sequence: &'a Sequence, view: &View) -> Option<&'a FrameSource> {
-    let after = sequence.frames.partition_point(|frame| frame.timestamp_s < view.timestamp_s - SAME_TIME_S);
-    sequence.frames.get(after).filter(|frame| (frame.timestamp_s - view.timestamp_s).abs() <= SAME_TIME_S)
+    let after = sequence.frames.partition_point(|frame| frame.timestamp_s() < view.timestamp_s - SAME_TIME_S);
+    sequence.frames.get(after).filter(|frame| (frame.timestamp_s() - view.timestamp_s).abs() <= SAME_TIME_S)
 }
 
 /// The table from images of the sequence to those of a camera; `None` where they are the same.

@@ -70,32 +70,42 @@ impl Distortion {
     /// Beyond the radius where the model folds back there is no inverse; then the closest point reached is returned.
     #[must_use]
     pub fn undistort(&self, distorted: &Vec2) -> Vec2 {
-        const MAX_ITERATIONS: usize = 30;
-        const MAX_HALVINGS: usize = 12;
         if self.is_zero() {
             return *distorted;
         }
-        let mut ideal = *distorted;
-        let mut residual = self.distort(&ideal) - distorted;
-        for _ in 0..MAX_ITERATIONS {
-            let Some(inverse) = self.distort_jacobian(&ideal).try_inverse() else {
-                break;
-            };
-            let mut step = inverse * residual;
-            let mut improved = false;
-            for _ in 0..MAX_HALVINGS {
-                let candidate = ideal - step;
-                let candidate_residual = self.distort(&candidate) - distorted;
-                if candidate_residual.norm_squared() < residual.norm_squared() {
-                    (ideal, residual, improved) = (candidate, candidate_residual, true);
-                    break;
-                }
-                step *= 0.5;
-            }
-            if !improved {
-                break;
-            }
-        }
-        ideal
+        invert(distorted, |ideal| self.distort(ideal), |ideal| self.distort_jacobian(ideal))
     }
+}
+
+/// The point that `distort`, with this derivative, moves to `distorted`: Newton's method with step halving; where there is none, the
+/// closest point reached.
+pub(crate) fn invert(
+    distorted: &Vec2,
+    distort: impl Fn(&Vec2) -> Vec2,
+    jacobian: impl Fn(&Vec2) -> Mat2,
+) -> Vec2 {
+    const MAX_ITERATIONS: usize = 30;
+    const MAX_HALVINGS: usize = 12;
+    let mut ideal = *distorted;
+    let mut residual = distort(&ideal) - distorted;
+    for _ in 0..MAX_ITERATIONS {
+        let Some(inverse) = jacobian(&ideal).try_inverse() else {
+            break;
+        };
+        let mut step = inverse * residual;
+        let mut improved = false;
+        for _ in 0..MAX_HALVINGS {
+            let candidate = ideal - step;
+            let candidate_residual = distort(&candidate) - distorted;
+            if candidate_residual.norm_squared() < residual.norm_squared() {
+                (ideal, residual, improved) = (candidate, candidate_residual, true);
+                break;
+            }
+            step *= 0.5;
+        }
+        if !improved {
+            break;
+        }
+    }
+    ideal
 }

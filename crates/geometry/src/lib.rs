@@ -33,7 +33,7 @@ mod two_view;
 mod umeyama;
 
 pub use aliases::*;
-pub use camera_model::{CameraModel, KannalaBrandt};
+pub use camera_model::{CameraModel, KannalaBrandt, Rational};
 pub use distortion::Distortion;
 pub use essential::{CheiralityChoice, decompose_essential, essential_from_fundamental, pose_from_essential};
 pub use estimators::{

@@ -32,6 +32,16 @@ pub enum FileError {
         /// What it should hold.
         expected: String,
     },
+    /// A file that should be text holds something else.
+    #[error("{}:{line}: found bytes that are not UTF-8 text, expected {expected}", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first line with such bytes, from 1.
+        line: usize,
+        /// What it should hold.
+        expected: String,
+    },
     /// A line does not hold what it should.
     #[error("{}:{line}: found {found}, expected {expected}", path.display())]
     Line {
@@ -69,27 +79,28 @@ pub(crate) struct Line<'a> {
 }
 
 impl TextFile {
-    /// Reads a whole file; `expected` says in an error what it should hold.
+    /// Reads a whole file; `expected` says in an error what it should hold. A byte order mark is skipped, UTF-16 is translated, and
+    /// comments (`#`) may hold any bytes.
     pub(crate) fn read(path: &Path, expected: &str) -> Result<Self, FileError> {
-        let bytes = fs::read(path).map_err(|error| match error.kind() {
+        let bytes = read_bytes(path).map_err(|error| match error.kind() {
             ErrorKind::NotFound => {
                 FileError::Missing { path: path.to_path_buf(), expected: expected.to_string() }
             }
             _ => FileError::Unreadable { path: path.to_path_buf(), reason: error.to_string() },
         })?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()]
-                .iter()
-                .filter(|&&byte| byte == b'\n')
-                .count();
-            FileError::Line {
+        let text = decoded(&bytes);
+        let is_odd = |line: &str| {
+            let data = line.split('#').next().unwrap_or_default();
+            data.contains([char::REPLACEMENT_CHARACTER, '\0'])
+        };
+        match text.lines().position(is_odd) {
+            Some(line) => Err(FileError::NotText {
                 path: path.to_path_buf(),
-                line,
-                found: "bytes that are not UTF-8 text".to_string(),
+                line: line + 1,
                 expected: expected.to_string(),
-            }
-        })?;
-        Ok(Self { path: path.to_path_buf(), text })
+            }),
+            None => Ok(Self { path: path.to_path_buf(), text }),
+        }
     }
 
     /// The raw text.
@@ -110,6 +121,53 @@ impl TextFile {
     pub(crate) fn empty(&self, expected: &str) -> FileError {
         FileError::Empty { path: self.path.clone(), expected: expected.to_string() }
     }
+}
+
+/// Texts and images of more bytes than this are none that people have.
+const MOST_BYTES: u64 = 256 << 20;
+
+/// The bytes of an ordinary file; pipes, devices, folders and files beyond all measure are refused before anything is read.
+///
+/// # Errors
+/// What the operating system says, or what the path is instead.
+pub(crate) fn read_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
+    check_regular(path)?;
+    fs::read(path)
+}
+
+/// Whether a path is an ordinary file of an ordinary length.
+///
+/// # Errors
+/// What the operating system says, or what the path is instead.
+pub(crate) fn check_regular(path: &Path) -> std::io::Result<()> {
+    let data = fs::metadata(path)?;
+    let refused = |what: &str| Err(std::io::Error::new(ErrorKind::InvalidInput, what.to_owned()));
+    if data.is_dir() {
+        return refused("it is a folder, expected a file");
+    }
+    if !data.is_file() {
+        return refused("it is a pipe or a device, expected a file");
+    }
+    if data.len() > MOST_BYTES {
+        return refused(&format!("it has {} bytes, expected at most {MOST_BYTES}", data.len()));
+    }
+    Ok(())
+}
+
+/// UTF-8 or UTF-16 as text with `\n` at the ends of lines; bytes that are neither become U+FFFD.
+fn decoded(bytes: &[u8]) -> String {
+    let utf16 = |bytes: &[u8], join: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes.as_chunks::<2>().0.iter().map(|&pair| join(pair)).collect();
+        String::from_utf16_lossy(&units)
+    };
+    let text = match bytes {
+        [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => utf16(rest, u16::from_be_bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] => String::from_utf8_lossy(rest).into_owned(),
+        _ => String::from_utf8_lossy(bytes).into_owned(),
+    };
+    // Line ends of old Macs.
+    if text.contains('\r') && !text.contains('\n') { text.replace('\r', "\n") } else { text }
 }
 
 impl<'a> Line<'a> {

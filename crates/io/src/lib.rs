@@ -5,6 +5,7 @@
 
 mod config;
 mod dataset;
+mod document;
 mod file;
 mod images;
 mod trajectory;
@@ -15,8 +16,9 @@ pub use config::{
     explain, read_config, to_yaml,
 };
 pub use dataset::{
-    Calibration, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera, RectifiedView,
-    Sequence, SequenceKind, Video, layout_of, open_cameras, open_sequence, open_sequence_with, open_video,
+    Calibration, CameraFile, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera,
+    RectifiedView, Sequence, SequenceKind, Times, Video, layout_of, open_cameras, open_sequence,
+    open_sequence_with, open_video, read_calibration,
 };
 pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use geometry::Sensor;
@@ -25,7 +27,7 @@ pub use images::{
     load_gray, load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
 };
 pub use trajectory::{
-    StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory, write_euroc,
-    write_kitti, write_tum,
+    Clock, StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory, write_euroc,
+    write_kitti, write_tum, write_tum_at, write_vslamlab,
 };
 pub use video::{VideoError, VideoFrame, VideoHeader, VideoReader};

@@ -78,7 +78,7 @@ impl FrameFeed for SequenceFeed {
 
     fn info(&self, i: usize) -> FrameInfo {
         let frame = &self.frames[i];
-        FrameInfo { index: frame.index, timestamp_s: frame.timestamp_s }
+        FrameInfo { index: frame.index, timestamp_s: frame.timestamp_s() }
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {

@@ -98,7 +98,7 @@ impl Preparation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::{CameraModel, Distortion, Pinhole, SE3, SO3, StereoRig, Vec3};
+    use geometry::{CameraModel, Distortion, Pinhole, SO3, StereoRig, Vec3};
     use std::path::PathBuf;
 
     use io::{Calibration, FrameSource, Sensor, SequenceKind};
@@ -116,17 +116,10 @@ mod tests {
         let rig = StereoRig { camera: CAMERA, baseline_m: 0.1 };
         let source = "cam0/sensor.yaml".to_owned();
         Sequence {
-            name: "two".to_owned(),
-            kind: SequenceKind::Euroc,
-            sensor: Sensor::Stereo,
             frames: vec![files()],
             calibration: Some(Calibration { rig, distortion: Distortion::default(), source }),
-            raw_calibration: None,
             rectification: vec![view(0.0), view(turn)],
-            ground_truth: None,
-            body_from_left: SE3::identity(),
-            frame_rate_hz: None,
-            warnings: Vec::new(),
+            ..Sequence::new("two", SequenceKind::Euroc, Sensor::Stereo)
         }
     }
 
@@ -144,7 +137,7 @@ mod tests {
     fn files() -> FrameSource {
         FrameSource {
             index: 0,
-            timestamp_s: 0.0,
+            timestamp_ns: 0,
             left: "a.png".into(),
             right: Some("b.png".into()),
             depth: None,

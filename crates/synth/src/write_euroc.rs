@@ -3,7 +3,7 @@
 use crate::lens::{Lens, LensCamera};
 use crate::world::{FRAME_RATE_HZ, World};
 use crate::write::{Continue, Progress, WriteError, write_text};
-use geometry::{CameraModel, Distortion, KannalaBrandt, SE3, SO3, Vec3};
+use geometry::{CameraModel, Distortion, KannalaBrandt, Rational, SE3, SO3, Vec3};
 use io::{StampedPose, Trajectory};
 use std::path::Path;
 
@@ -88,9 +88,16 @@ fn sensor_yaml(camera: &LensCamera) -> String {
     let pinhole = camera.model.pinhole();
     let (model, coefficients) = match camera.model {
         CameraModel::Pinhole { distortion: Distortion { k1, k2, p1, p2, .. }, .. } => {
-            ("radial-tangential", [k1, k2, p1, p2])
+            ("radial-tangential", vec![k1, k2, p1, p2])
         }
-        CameraModel::KannalaBrandt(KannalaBrandt { k1, k2, k3, k4, .. }) => ("equidistant", [k1, k2, k3, k4]),
+        CameraModel::Rational(Rational {
+            upper: Distortion { k1, k2, p1, p2, k3 },
+            lower: [k4, k5, k6],
+            ..
+        }) => ("rational-polynomial", vec![k1, k2, p1, p2, k3, k4, k5, k6]),
+        CameraModel::KannalaBrandt(KannalaBrandt { k1, k2, k3, k4, .. }) => {
+            ("equidistant", vec![k1, k2, k3, k4])
+        }
     };
     format!(
         "# a rendered camera\nsensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [{}]\nrate_hz: {FRAME_RATE_HZ}\n\

@@ -48,11 +48,11 @@ fn poses(sequence: &Sequence, truth: &Trajectory) -> Result<Vec<SE3>> {
         return Ok(all.iter().map(|pose| pose.world_from_cam).collect());
     }
     let pose = |frame: &io::FrameSource| {
-        truth.find_nearest(frame.timestamp_s, TOLERANCE_S).map(|pose| pose.world_from_cam).with_context(
+        truth.find_nearest(frame.timestamp_s(), TOLERANCE_S).map(|pose| pose.world_from_cam).with_context(
             || {
                 format!(
                     "found no pose within {TOLERANCE_S} s of the frame at {} s, expected one per frame",
-                    frame.timestamp_s
+                    frame.timestamp_s()
                 )
             },
         )

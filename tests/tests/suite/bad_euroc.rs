@@ -115,7 +115,8 @@ fn a_camera_without_distortion_model_is_refused() {
         let name = format!("{camera}/sensor.yaml");
         folder.write(&name, &sensor_yaml(0.1).replace("distortion_model: radial-tangential\n", ""));
         folder.refused(&format!(
-            "{}: distortion_model: found nothing, expected radial-tangential, equidistant or none",
+            "{}: distortion_model: found nothing, expected pinhole-radtan (also radtan, radial-tangential, plumb_bob, opencv), rational_polynomial, \
+             kannala-brandt (also equidistant, fisheye, opencv_fisheye) or none",
             folder.file(&name)
         ));
     }

@@ -90,7 +90,7 @@ fn a_text_file_is_no_image() {
         |copy, name| copy.write(name, "this is a text"),
         |copy, name| {
             format!(
-                "{}: not an image: begins with the text \"this is a text\", expected PNG or JPEG",
+                "{}: not an image: begins with the text \"this is a text\", expected PNG, JPEG, PGM, PPM, BMP, TIFF or WebP",
                 copy.file(name)
             )
         },
@@ -128,7 +128,7 @@ fn nothing_but_text_files_is_refused() {
     let first = copy.file("image_0/000000.png");
     let expected = format!(
         "error: none of the sequence's images can be read: {first}: not an image: begins with the text \"text\", \
-         expected PNG or JPEG"
+         expected PNG, JPEG, PGM, PPM, BMP, TIFF or WebP"
     );
     copy.run(&[]).expect(2, &expected);
 }

@@ -10,7 +10,7 @@ mod vocab;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::config::{CheckArgs, DefaultArgs};
+use crate::config::{CalibArgs, CheckArgs, DefaultArgs};
 use crate::console::Voice;
 use crate::doctor::DoctorArgs;
 use crate::export::ExportArgs;
@@ -56,7 +56,7 @@ pub(crate) enum Command {
     /// Evaluates trajectories and place recognition against ground truth, as tables and plots.
     #[command(after_help = help::eval())]
     Eval(eval::command::EvalCommand),
-    /// Prints the default configuration, or checks and explains one.
+    /// Prints the default configuration, checks and explains one, or shows what a calibration file says.
     #[command(after_help = help::config())]
     Config(ConfigArgs),
     /// Converts a map for other programs: point clouds, COLMAP and nerfstudio models, keyframe trajectories.
@@ -88,4 +88,6 @@ pub(crate) enum ConfigAction {
     Default(DefaultArgs),
     /// Checks a configuration and explains every value in force: its origin, meaning and range.
     Check(CheckArgs),
+    /// Prints what was understood of a calibration file, in the format of our own.
+    Calib(CalibArgs),
 }

@@ -7,12 +7,15 @@ use io::{Calibration, Provenance};
 
 use super::Config;
 
+/// The baseline of a stereo camera that sees depth about as precisely as sensors with structured light do.
+const VIRTUAL_BASELINE_M: f64 = 0.08;
+
 /// Why no camera is known.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CameraError {
     /// Neither the dataset nor the configuration gives the camera.
     #[error(
-        "{}: the dataset has no calibration file and the configuration lacks {missing}; pass a configuration with a `camera` section (such as --config configs/tum-rgbd.yaml), --set {missing}=... or, for a folder of images, --calib FILE",
+        "{}: the dataset has no calibration file and the configuration lacks {missing}; pass a configuration with a `camera` section (such as --config configs/tum-rgbd.yaml), --set {missing}=... or --calib FILE",
         dataset.display()
     )]
     Missing {
@@ -68,10 +71,18 @@ impl Config {
     /// Takes over the frame rate that a calibration file of the dataset gives; a notice if another one was given.
     pub fn apply_frame_rate(&mut self, frame_rate_hz: f64, source: &str) -> Option<String> {
         let old = std::mem::replace(&mut self.camera.fps, frame_rate_hz);
-        let key = "camera.fps";
+        self.note_replaced("camera.fps", old, frame_rate_hz, source)
+    }
+
+    /// Takes over the value of a depth image at one meter that the dataset gives; a notice if another one was given.
+    pub fn apply_depth_units(&mut self, units_per_metre: f64, source: &str) -> Option<String> {
+        let old = std::mem::replace(&mut self.camera.depth_units_per_metre, units_per_metre);
+        self.note_replaced("camera.depth_units_per_metre", old, units_per_metre, source)
+    }
+
+    fn note_replaced(&mut self, key: &str, old: f64, new: f64, source: &str) -> Option<String> {
         let place = self.origins.set(key, Provenance::Calibration(source.to_string()))?;
-        (old != frame_rate_hz)
-            .then(|| format!("{key} = {old} ({place}) is replaced by {frame_rate_hz} from {source}"))
+        (old != new).then(|| format!("{key} = {old} ({place}) is replaced by {new} from {source}"))
     }
 
     /// The camera in force; for a dataset with a calibration file call [`Config::apply_calibration`] first.
@@ -91,7 +102,8 @@ impl Config {
         };
         let baseline_m = match sensor {
             Sensor::Mono => camera.baseline_m.unwrap_or(0.0),
-            Sensor::Stereo | Sensor::Rgbd => need("camera.baseline_m", camera.baseline_m)?,
+            Sensor::Rgbd => camera.baseline_m.unwrap_or(VIRTUAL_BASELINE_M),
+            Sensor::Stereo => need("camera.baseline_m", camera.baseline_m)?,
         };
         Ok(Calibration {
             rig: StereoRig { camera: pinhole, baseline_m },

@@ -136,7 +136,10 @@ impl Config {
 
 /// The built-in configuration that goes with what lies in a folder.
 fn for_layout(folder: &Path) -> Option<&'static Preset> {
-    let kind = io::layout_of(folder)?;
+    let kind = match io::layout_of(folder)? {
+        SequenceKind::KittiRaw | SequenceKind::Kitti360 => SequenceKind::Kitti,
+        kind => kind,
+    };
     let name = folder.canonicalize().ok()?;
     let name = name.file_name()?.to_string_lossy().into_owned();
     let fits = kind != SequenceKind::TumRgbd || TUM_FIRST.iter().any(|word| name.contains(word));

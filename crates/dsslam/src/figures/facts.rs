@@ -43,6 +43,8 @@ pub(super) struct Camera {
 pub(super) enum Lens {
     RadialTangential(Distortion),
     Fisheye,
+    /// With eight coefficients.
+    Rational,
 }
 
 /// Times of all frames.
@@ -73,16 +75,14 @@ impl Facts {
                 let has = |time: &&f64| truth.find_nearest(**time, TIMESTAMP_TOLERANCE_S).is_some();
                 times_s.iter().filter(has).count()
             });
-            let are_invented =
-                sequence.kind == SequenceKind::Images && !input.path().join("times.txt").exists();
-            (Times::of(&times_s, are_invented), with_truth)
+            (Times::of(&times_s, sequence.times == io::Times::Invented), with_truth)
         });
         let (times, with_truth) = times.map_or((None, None), |(times, with_truth)| (Some(times), with_truth));
         let calibration = sequence.calibration.as_ref();
         let source = calibration.map(|calibration| calibration.source.clone());
         Self {
             sensor: setup.sensor,
-            layout: layout(sequence.kind),
+            layout: sequence.kind.name(),
             source: source.unwrap_or_else(|| input.config().provenance("camera.fx").to_string()),
             rig: rig.clone(),
             cameras,
@@ -103,6 +103,7 @@ impl Camera {
                 Self { pinhole: *camera, lens: Lens::RadialTangential(*distortion), size }
             }
             CameraModel::KannalaBrandt(model) => Self { pinhole: model.camera, lens: Lens::Fisheye, size },
+            CameraModel::Rational(model) => Self { pinhole: model.camera, lens: Lens::Rational, size },
         }
     }
 
@@ -123,16 +124,5 @@ impl Times {
             step_s: geometry::median(&mut steps),
             are_invented,
         }
-    }
-}
-
-fn layout(kind: SequenceKind) -> &'static str {
-    match kind {
-        SequenceKind::Kitti => "KITTI odometry",
-        SequenceKind::TumRgbd => "TUM RGB-D",
-        SequenceKind::Euroc => "EuRoC",
-        SequenceKind::Video => "a video or a camera",
-        SequenceKind::Rendered => "rendered",
-        SequenceKind::Images => "a folder of images",
     }
 }

@@ -42,6 +42,7 @@ pub(super) fn field_of_view_deg(camera: &Camera) -> [f64; 2] {
 fn distortion(facts: &Facts) -> String {
     let model = match facts.cameras.first().map(|camera| camera.lens) {
         Some(Lens::Fisheye) => "fisheye".to_owned(),
+        Some(Lens::Rational) => "rational, eight coefficients".to_owned(),
         Some(Lens::RadialTangential(d)) if !d.is_zero() => {
             format!("k1 {} k2 {} p1 {} p2 {} k3 {}", d.k1, d.k2, d.p1, d.p2, d.k3)
         }

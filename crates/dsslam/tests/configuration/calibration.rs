@@ -63,10 +63,11 @@ fn no_camera_at_all() {
     };
     assert_eq!(
         missing(&config),
-        "data/desk: the dataset has no calibration file and the configuration lacks camera.fx; pass a configuration with a `camera` section (such as --config configs/tum-rgbd.yaml), --set camera.fx=... or, for a folder of images, --calib FILE"
+        "data/desk: the dataset has no calibration file and the configuration lacks camera.fx; pass a configuration with a `camera` section (such as --config configs/tum-rgbd.yaml), --set camera.fx=... or --calib FILE"
     );
     config.apply_calibration(&calibration(0.0));
-    assert!(missing(&config).contains("lacks camera.baseline_m;"), "RGB-D needs a virtual baseline");
+    let rig = |sensor| config.camera_in_force(Path::new("x"), sensor).unwrap().rig;
+    assert_eq!(rig(Sensor::Rgbd).baseline_m, 0.08, "RGB-D has a virtual baseline");
     assert_eq!(config.camera_in_force(Path::new("x"), Sensor::Mono).unwrap().rig.baseline_m, 0.0);
 }
 

@@ -103,3 +103,12 @@ fn what_is_said_twice_is_said_alike() {
     assert_eq!(options.association_tolerance_s, config.input.association_tolerance_s);
     assert_eq!(options.frame_rate_hz, config.camera.fps);
 }
+
+#[test]
+fn a_whole_number_may_be_written_in_any_way() {
+    for text in ["500", "500.0", "5e2", "5.0E+2"] {
+        let config = Config::load(None, &[format!("features.keep={text}")]).unwrap();
+        assert_eq!(config.features.keep, 500, "{text}");
+    }
+    assert!(Config::load(None, &["features.keep=500.5".to_owned()]).is_err());
+}

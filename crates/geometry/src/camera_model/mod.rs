@@ -1,10 +1,12 @@
 //! Cameras as they come from a calibration: raw pixels, with the lens in the model.
 
 mod kannala_brandt;
+mod rational;
 
 pub use kannala_brandt::KannalaBrandt;
+pub use rational::Rational;
 
-use crate::aliases::{Mat2x3, Vec2, Vec3};
+use crate::aliases::{Mat2, Mat2x3, Vec2, Vec3};
 use crate::distortion::Distortion;
 use crate::pinhole::Pinhole;
 use serde::{Deserialize, Serialize};
@@ -22,6 +24,8 @@ pub enum CameraModel {
     },
     /// A fisheye.
     KannalaBrandt(KannalaBrandt),
+    /// A pinhole with a rational distortion of eight coefficients.
+    Rational(Rational),
 }
 
 impl CameraModel {
@@ -35,6 +39,9 @@ impl CameraModel {
                 camera.project(&distortion.distort(&(point_cam.xy() / point_cam.z)).push(1.0))
             }
             Self::KannalaBrandt(fisheye) => fisheye.project(point_cam),
+            Self::Rational(lens) => {
+                lens.camera.project(&lens.distort(&(point_cam.xy() / point_cam.z)).push(1.0))
+            }
         }
     }
 
@@ -43,14 +50,12 @@ impl CameraModel {
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
         match self {
             Self::Pinhole { camera, distortion } => {
-                let ideal = point_cam.xy() / point_cam.z;
-                let ideal_by_point = Mat2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / point_cam.z;
-                let mut jacobian = distortion.distort_jacobian(&ideal) * ideal_by_point;
-                jacobian.row_mut(0).scale_mut(camera.fx);
-                jacobian.row_mut(1).scale_mut(camera.fy);
-                jacobian
+                pinhole_jacobian(camera, point_cam, |ideal| distortion.distort_jacobian(ideal))
             }
             Self::KannalaBrandt(fisheye) => fisheye.project_jacobian(point_cam),
+            Self::Rational(lens) => {
+                pinhole_jacobian(&lens.camera, point_cam, |ideal| lens.distort_jacobian(ideal))
+            }
         }
     }
 
@@ -62,6 +67,7 @@ impl CameraModel {
                 distortion.undistort(&camera.unproject(pixel).xy()).push(1.0).normalize()
             }
             Self::KannalaBrandt(fisheye) => fisheye.unproject(pixel),
+            Self::Rational(lens) => lens.undistort(&lens.camera.unproject(pixel).xy()).push(1.0).normalize(),
         }
     }
 
@@ -73,19 +79,23 @@ impl CameraModel {
         match self {
             Self::Pinhole { distortion, .. } => distortion.max_radius().atan(),
             Self::KannalaBrandt(fisheye) => fisheye.max_angle(),
+            Self::Rational(lens) => lens.max_radius().atan(),
         }
     }
 
     /// The camera of an image whose width and height were changed by these factors; the lens stays the same.
     #[must_use]
     pub fn resized(&self, factors: [f64; 2]) -> Self {
+        self.with_pinhole(self.pinhole().resized(factors))
+    }
+
+    /// The same lens with other focal lengths and another principal point.
+    #[must_use]
+    pub fn with_pinhole(&self, camera: Pinhole) -> Self {
         match *self {
-            Self::Pinhole { camera, distortion } => {
-                Self::Pinhole { camera: camera.resized(factors), distortion }
-            }
-            Self::KannalaBrandt(fisheye) => {
-                Self::KannalaBrandt(KannalaBrandt { camera: fisheye.camera.resized(factors), ..fisheye })
-            }
+            Self::Pinhole { distortion, .. } => Self::Pinhole { camera, distortion },
+            Self::KannalaBrandt(fisheye) => Self::KannalaBrandt(KannalaBrandt { camera, ..fisheye }),
+            Self::Rational(lens) => Self::Rational(Rational { camera, ..lens }),
         }
     }
 
@@ -95,8 +105,19 @@ impl CameraModel {
         match self {
             Self::Pinhole { camera, .. } => camera,
             Self::KannalaBrandt(fisheye) => &fisheye.camera,
+            Self::Rational(lens) => &lens.camera,
         }
     }
+}
+
+/// The derivative of a pinhole's pixel by the point, for a lens with this derivative at the ideal normalized point.
+fn pinhole_jacobian(camera: &Pinhole, point_cam: &Vec3, lens: impl Fn(&Vec2) -> Mat2) -> Mat2x3 {
+    let ideal = point_cam.xy() / point_cam.z;
+    let ideal_by_point = Mat2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / point_cam.z;
+    let mut jacobian = lens(&ideal) * ideal_by_point;
+    jacobian.row_mut(0).scale_mut(camera.fx);
+    jacobian.row_mut(1).scale_mut(camera.fy);
+    jacobian
 }
 
 /// The model's name with its numbers.
@@ -109,6 +130,13 @@ impl fmt::Display for CameraModel {
             }
             Self::KannalaBrandt(KannalaBrandt { k1, k2, k3, k4, .. }) => {
                 write!(f, "fisheye {fx} {fy} {cx} {cy}, Kannala-Brandt {k1} {k2} {k3} {k4}")
+            }
+            Self::Rational(Rational {
+                upper: Distortion { k1, k2, p1, p2, k3 },
+                lower: [k4, k5, k6],
+                ..
+            }) => {
+                write!(f, "pinhole {fx} {fy} {cx} {cy}, rational {k1} {k2} {p1} {p2} {k3} {k4} {k5} {k6}")
             }
         }
     }

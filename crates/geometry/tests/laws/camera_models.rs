@@ -2,7 +2,7 @@
 
 use crate::assert_close;
 use crate::support::numeric_jacobian;
-use dsslam_geometry::{CameraModel, Distortion, KannalaBrandt, Pinhole, Vec2, Vec3};
+use dsslam_geometry::{CameraModel, Distortion, KannalaBrandt, Pinhole, Rational, Vec2, Vec3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -27,6 +27,13 @@ pub(crate) const TUM_VI_LEFT: KannalaBrandt = KannalaBrandt {
     k4: 0.000_202_936_735_91,
 };
 
+/// A lens with eight coefficients, as depth cameras report it.
+const KINECT: Rational = Rational {
+    camera: Pinhole { fx: 613.0, fy: 612.8, cx: 640.3, cy: 366.7 },
+    upper: Distortion { k1: 0.515_2, k2: -2.754_3, p1: 0.000_4, p2: -0.000_2, k3: 1.601_2 },
+    lower: [0.393_9, -2.569_1, 1.524_3],
+};
+
 /// No lens at all in the model: the equidistant projection.
 const EQUIDISTANT: KannalaBrandt = KannalaBrandt { k1: 0.0, k2: 0.0, k3: 0.0, k4: 0.0, ..TUM_VI_LEFT };
 
@@ -40,7 +47,11 @@ fn any_point(max_angle: f64) -> impl Strategy<Value = Vec3> {
 proptest! {
     #[test]
     fn unprojection_inverts_projection(narrow in any_point(0.75), wide in any_point(1.7)) {
-        for (model, point) in [(EUROC_LEFT, narrow), (CameraModel::KannalaBrandt(TUM_VI_LEFT), wide)] {
+        for (model, point) in [
+            (EUROC_LEFT, narrow),
+            (CameraModel::KannalaBrandt(TUM_VI_LEFT), wide),
+            (CameraModel::Rational(KINECT), narrow),
+        ] {
             assert_close!(model.unproject(&model.project(&point)), point.normalize(), 1e-12);
             let pixel = model.project(&point);
             assert_close!(model.project(&(model.unproject(&pixel) * 3.0)), pixel, 1e-9);
@@ -52,7 +63,12 @@ proptest! {
         // Also close to the axis, where radius and angle both vanish.
         let near_axis = Vec3::new(wide.x * 1e-6 * scale, wide.y * 1e-6, wide.z.abs() + 0.1);
         let fisheye = CameraModel::KannalaBrandt(TUM_VI_LEFT);
-        for (model, point) in [(EUROC_LEFT, narrow), (fisheye, wide), (fisheye, near_axis)] {
+        for (model, point) in [
+            (EUROC_LEFT, narrow),
+            (fisheye, wide),
+            (fisheye, near_axis),
+            (CameraModel::Rational(KINECT), narrow),
+        ] {
             let numeric = numeric_jacobian(&point, |x| model.project(x));
             let tolerance = 1e-5 * (1.0 + point.norm().powi(-4));
             assert_close!(model.project_jacobian(&point), numeric, tolerance);
@@ -66,6 +82,24 @@ proptest! {
         let radius = Vec2::new((pixel.x - cx) / fx, (pixel.y - cy) / fy).norm();
         prop_assert!((radius - point.xy().norm().atan2(point.z)).abs() < 1e-12);
     }
+}
+
+#[test]
+fn without_a_denominator_the_rational_lens_is_the_usual_one() {
+    let CameraModel::Pinhole { camera, distortion } = EUROC_LEFT else { panic!("a pinhole") };
+    let rational = CameraModel::Rational(Rational { camera, upper: distortion, lower: [0.0; 3] });
+    for point in [Vec3::new(0.3, -0.4, 1.0), Vec3::new(-0.7, 0.2, 2.0)] {
+        assert_close!(rational.project(&point), EUROC_LEFT.project(&point), 1e-12);
+    }
+    assert!((rational.max_angle() - EUROC_LEFT.max_angle()).abs() < 1e-9);
+    // x (1 + s) / (1 + 2 s) at x = 1: two thirds.
+    let upper = Distortion { k1: 1.0, ..Distortion::default() };
+    let lens = Rational { camera, upper, lower: [2.0, 0.0, 0.0] };
+    assert_close!(lens.distort(&Vec2::new(1.0, 0.0)), Vec2::new(2.0 / 3.0, 0.0), 1e-15);
+    assert!(
+        Rational { lower: [-0.25, 0.0, 0.0], ..lens }.max_radius() <= 2.0,
+        "the denominator vanishes there"
+    );
 }
 
 #[test]

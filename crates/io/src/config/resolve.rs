@@ -38,7 +38,7 @@ pub(super) fn resolve<T: Default + Serialize + DeserializeOwned>(
     for (key, given) in &chosen {
         origins.set(key, given.place.clone());
     }
-    Ok((build(&chosen)?, origins))
+    Ok((build(keys, &chosen)?, origins))
 }
 
 /// The entry that a given value sets; `None` for a section that is empty.
@@ -85,6 +85,7 @@ fn repeated(from_file: &[Given]) -> Vec<Problem> {
 
 /// The defaults with the chosen values over them.
 fn build<T: Default + Serialize + DeserializeOwned>(
+    keys: &[Entry],
     chosen: &BTreeMap<&str, &Given>,
 ) -> Result<T, ConfigErrors> {
     let disagreement = |reason: String| {
@@ -94,7 +95,10 @@ fn build<T: Default + Serialize + DeserializeOwned>(
     let mut tree = serde_json::to_value(T::default()).map_err(|error| disagreement(error.to_string()))?;
     for (key, given) in chosen {
         let field = tree.pointer_mut(&format!("/{}", key.replace('.', "/")));
-        *field.ok_or_else(|| disagreement(format!("no field for {key}")))? = Json::from(&given.value);
+        *field.ok_or_else(|| disagreement(format!("no field for {key}")))? = {
+            let entry = keys.iter().find(|entry| entry.key == *key);
+            Json::from(&entry.map_or_else(|| given.value.clone(), |entry| given.value.for_entry(entry)))
+        };
     }
     serde_json::from_value(tree).map_err(|error| disagreement(error.to_string()))
 }

@@ -78,7 +78,7 @@ impl Section for CameraSettings {
         real("camera.k3", "", ANY, "radial distortion, r^6"),
         optional_integer("camera.width", "px", [16, 16_384], "image width; absent: taken from the first image"),
         optional_integer("camera.height", "px", [16, 16_384], "image height; absent: taken from the first image"),
-        optional_real("camera.baseline_m", "m", above(0.0), "distance between the two cameras; for RGB-D the virtual baseline (bf / fx)"),
+        optional_real("camera.baseline_m", "m", above(0.0), "distance between the two cameras; for RGB-D the virtual baseline (bf / fx), 0.08 if absent"),
         real("camera.fps", "Hz", above(0.0), "frame rate; the longest gap between keyframes is one second of frames"),
         real("camera.depth_units_per_metre", "1/m", above(0.0), "value of a depth image at one meter"),
     ];

@@ -21,10 +21,31 @@ pub(super) enum Value {
 }
 
 impl Value {
+    /// The whole number that it is, however it is written (`500.0`, `5e2`).
+    fn as_integer(&self) -> Option<i64> {
+        /// Beyond it a real number does not tell one whole number from the next.
+        const EXACT: f64 = 9.0e15;
+        match self {
+            Self::Integer(value) => Some(*value),
+            Self::Real(value) if value.fract() == 0.0 && value.abs() <= EXACT => Some(*value as i64),
+            _ => None,
+        }
+    }
+
+    /// The value as the key's type wants it.
+    pub(super) fn for_entry(&self, entry: &Entry) -> Self {
+        match (entry.kind, self.as_integer()) {
+            (Kind::Integer { .. }, Some(integer)) => Self::Integer(integer),
+            _ => self.clone(),
+        }
+    }
+
     /// Whether it has the type of the key and lies in its range.
     pub(super) fn is_accepted_by(&self, entry: &Entry) -> bool {
         match (entry.kind, self) {
-            (Kind::Integer { least, most }, Self::Integer(value)) => (least..=most).contains(value),
+            (Kind::Integer { least, most }, value) => {
+                value.as_integer().is_some_and(|n| (least..=most).contains(&n))
+            }
             (Kind::Real(range), Self::Integer(value)) => range.contains(*value as f64),
             (Kind::Real(range), Self::Real(value)) => range.contains(*value),
             (Kind::Flag, Self::Flag(_)) => true,

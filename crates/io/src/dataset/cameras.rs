@@ -78,14 +78,14 @@ impl Cameras {
         })
     }
 
-    /// One camera: keypoints of a pinhole are undistorted one by one; the image of a fisheye is redrawn.
+    /// One camera: keypoints of a pinhole are undistorted one by one; the image of any other lens is redrawn.
     ///
     /// # Errors
     /// [`DatasetError`] for a fisheye that does not see along its axis.
     pub(super) fn of_one(camera: RawCamera, file: &Path) -> Result<Self, DatasetError> {
         let (pinhole, distortion, views) = match camera.model {
             CameraModel::Pinhole { camera: pinhole, distortion } => (pinhole, distortion, Vec::new()),
-            CameraModel::KannalaBrandt(_) => {
+            CameraModel::KannalaBrandt(_) | CameraModel::Rational(_) => {
                 let size = (camera.size.width, camera.size.height);
                 let new = rectify_single(&camera.model, size)
                     .map_err(|error| failure(file, "intrinsics", error))?;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use geometry::RectificationError;
 
 use super::Sensor;
+use crate::document::SyntaxError;
 use crate::file::FileError;
 use crate::images::ImageError;
 
@@ -23,16 +24,37 @@ pub enum DatasetError {
         /// The path asked for.
         path: PathBuf,
     },
+    /// A file that holds whole recordings in a form that is not read.
+    #[error("{}: {what}", path.display())]
+    Container {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and what can be done.
+        what: &'static str,
+    },
     /// The folder has none of the known layouts.
     #[error(
-        "{}: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2), \
-         TUM RGB-D (rgb.txt, depth.txt), EuRoC (mav0/cam0) or images (PNG or JPEG, in the folder itself or in left \
-         and right)",
+        "{}: no known dataset layout: found {found}; expected KITTI (image_0 or image_2 with times.txt), KITTI raw \
+         (image_00/data), KITTI-360 (image_00/data_rect), TUM RGB-D (rgb.txt and depth.txt, or associations.txt), OpenLORIS \
+         (color.txt and aligned_depth.txt), EuRoC or TUM-VI (mav0/cam0), TartanAir (image_left), 7-Scenes (*.color.png), \
+         Replica (results/frame*), VSLAM-LAB (rgb.csv) or images in the folder itself, in left and right, or in rgb and depth",
         path.display()
     )]
     UnknownLayout {
         /// The folder.
         path: PathBuf,
+        /// What lies in it.
+        found: String,
+    },
+    /// A calibration file has none of the known formats.
+    #[error("{}: found {found}, expected one of these calibrations: {expected}", path.display())]
+    UnknownCalibration {
+        /// The file.
+        path: PathBuf,
+        /// What stands in it.
+        found: String,
+        /// The formats that are read.
+        expected: String,
     },
     /// The folder does not hold what the chosen sensor needs.
     #[error("{}: sensor {sensor} is not possible here: {reason}", path.display())]
@@ -80,13 +102,15 @@ pub enum DatasetError {
         /// Number of images.
         n_images: usize,
     },
-    /// A calibration file is not YAML of the expected form.
-    #[error("{}:{line}: invalid YAML: {message}", path.display())]
-    Yaml {
+    /// A calibration file is not what it looks like.
+    #[error("{}:{line}: invalid {format}: {message}", path.display())]
+    Syntax {
         /// The calibration file.
         path: PathBuf,
         /// Line number, from 1.
         line: u64,
+        /// `YAML`, `JSON` or `XML`.
+        format: &'static str,
         /// The parser's message.
         message: String,
     },
@@ -120,4 +144,12 @@ pub enum DatasetError {
     /// A text file of the dataset is broken.
     #[error(transparent)]
     File(#[from] FileError),
+}
+
+impl DatasetError {
+    /// The parser's error for this file.
+    pub(crate) fn syntax(path: &std::path::Path, error: SyntaxError) -> Self {
+        let SyntaxError { line, format, message, .. } = error;
+        Self::Syntax { path: path.to_path_buf(), line, format, message }
+    }
 }

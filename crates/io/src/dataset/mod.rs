@@ -1,47 +1,36 @@
 //! Datasets: which frames there are, their files and times, the camera, the ground truth. No pixel is read here.
 
 mod associate;
-mod calib;
 mod camera_file;
 mod cameras;
 mod error;
 mod euroc;
-mod fields;
+mod given;
 mod image_folder;
 mod kitti;
+mod layout;
 mod numbered;
+mod oxts;
 mod raw;
+pub(crate) mod stamps;
 mod truth;
 mod tum;
 mod video;
+mod vslamlab;
 
 use std::path::{Path, PathBuf};
 
 use geometry::{Distortion, SE3, Sensor, StereoRig};
 
-use crate::images::{ImageError, ImageSize, half_size, image_size};
+use crate::file::FileError;
+use crate::images::{ImageError, ImageSize, half_size, image_size, inspect};
 use crate::trajectory::Trajectory;
 
+pub use camera_file::{CameraFile, read_calibration};
 pub use error::DatasetError;
+pub use layout::{SequenceKind, layout_of};
 pub use raw::{RawCalibration, RawCamera, RectifiedView};
 pub use video::{Video, open_cameras, open_video};
-
-/// The layout of a dataset's folder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SequenceKind {
-    /// KITTI odometry: `times.txt`, `calib.txt`, `image_0` and `image_1`, or `image_2` and `image_3`.
-    Kitti,
-    /// TUM RGB-D: `rgb.txt`, `depth.txt`.
-    TumRgbd,
-    /// EuRoC (ASL): `mav0/cam0`, `mav0/cam1`.
-    Euroc,
-    /// A video or a camera.
-    Video,
-    /// A rendered world: its frames are not files.
-    Rendered,
-    /// Images in the folder itself or in sub-folders for left and right, with a calibration file.
-    Images,
-}
 
 /// A camera as a dataset describes it.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,8 +61,8 @@ pub struct FrameSource {
     /// KITTI: the number in the file name; a number whose file is missing is kept, so that no frame is renumbered.
     /// TUM, EuRoC: the position among the frames, from 0.
     pub index: u32,
-    /// Seconds.
-    pub timestamp_s: f64,
+    /// Nanoseconds.
+    pub timestamp_ns: i64,
     /// Left or only image.
     pub left: PathBuf,
     /// Right image (stereo).
@@ -82,6 +71,18 @@ pub struct FrameSource {
     pub depth: Option<PathBuf>,
     /// What the file `left` holds.
     pub packing: Packing,
+}
+
+/// Where the times of frames come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Times {
+    /// The data give them: a list, or the stream of a camera.
+    #[default]
+    Given,
+    /// The names of the images are times.
+    Names,
+    /// Nobody gives them: the frames are taken to come at an even rate.
+    Invented,
 }
 
 /// A dataset, checked as far as that is possible without reading its images.
@@ -109,6 +110,10 @@ pub struct Sequence {
     pub body_from_left: SE3,
     /// Images per second, where a calibration file says so.
     pub frame_rate_hz: Option<f64>,
+    /// Value of a depth image at one meter, where the dataset or its calibration says so.
+    pub depth_units_per_metre: Option<f64>,
+    /// Where the times come from.
+    pub times: Times,
     /// What the user should know about the dataset before the run.
     pub warnings: Vec<String>,
 }
@@ -120,7 +125,7 @@ pub struct OpenOptions {
     pub sensor: Option<Sensor>,
     /// RGB-D: largest time between an image and its depth, seconds (exclusive).
     pub association_tolerance_s: f64,
-    /// Calibration file for a folder of images; `None`: the one in the folder, if there is one.
+    /// Calibration file that replaces the camera of the dataset; `None`: the one in the folder, if there is one.
     pub calibration: Option<PathBuf>,
     /// Images per second of a folder of images whose calibration does not tell.
     pub frame_rate_hz: f64,
@@ -155,23 +160,49 @@ impl FrameSource {
     }
 }
 
-impl Sequence {
-    /// One image file as a sequence of one frame, without a camera.
-    pub fn of_image(file: &Path) -> Self {
-        let (left, packing) = (file.to_path_buf(), Packing::Whole);
+impl FrameSource {
+    /// A frame of one image.
+    pub(crate) fn of(index: usize, timestamp_ns: i64, left: PathBuf) -> Self {
         Self {
-            name: file.display().to_string(),
-            kind: SequenceKind::Images,
-            sensor: Sensor::Mono,
-            frames: vec![FrameSource { index: 0, timestamp_s: 0.0, left, right: None, depth: None, packing }],
+            index: u32::try_from(index).unwrap_or(u32::MAX),
+            timestamp_ns,
+            left,
+            right: None,
+            depth: None,
+            packing: Packing::Whole,
+        }
+    }
+
+    /// The time in seconds.
+    pub fn timestamp_s(&self) -> f64 {
+        stamps::seconds(self.timestamp_ns)
+    }
+}
+
+impl Sequence {
+    /// A sequence of which nothing more is known: without frames, camera and ground truth.
+    pub fn new(name: impl Into<String>, kind: SequenceKind, sensor: Sensor) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            sensor,
+            frames: Vec::new(),
             calibration: None,
             raw_calibration: None,
             rectification: Vec::new(),
             ground_truth: None,
             body_from_left: SE3::identity(),
             frame_rate_hz: None,
+            depth_units_per_metre: None,
+            times: Times::Given,
             warnings: Vec::new(),
         }
+    }
+
+    /// One image file as a sequence of one frame, without a camera.
+    pub fn of_image(file: &Path) -> Self {
+        let frames = vec![FrameSource::of(0, 0, file.to_path_buf())];
+        Self { frames, ..Self::new(file.display().to_string(), SequenceKind::Images, Sensor::Mono) }
     }
 
     /// Size of the sequence's images: that of the first frame whose header can be read, with its frame's position.
@@ -198,43 +229,47 @@ pub fn open_sequence(dir: &Path, sensor: Option<Sensor>) -> Result<Sequence, Dat
     open_sequence_with(dir, &OpenOptions { sensor, ..OpenOptions::default() })
 }
 
-/// Opens a dataset: recognizes its layout, lists its frames, reads calibration, times and ground truth.
+/// Opens a dataset: recognizes its layout, lists its frames, reads calibration, times and ground truth. A calibration file that
+/// is given, or that lies in the folder under one of the usual names, replaces the camera and nothing else.
 ///
 /// # Errors
 /// [`DatasetError`] for a missing or unknown folder, broken text files, or a sensor that the folder does not have.
 pub fn open_sequence_with(dir: &Path, options: &OpenOptions) -> Result<Sequence, DatasetError> {
-    if !dir.exists() {
-        return Err(DatasetError::MissingFolder { path: dir.to_path_buf() });
-    }
-    if !dir.is_dir() {
-        return Err(DatasetError::NotAFolder { path: dir.to_path_buf() });
-    }
-    if let Some(file) = options.calibration.clone().or_else(|| camera_file::find(dir)) {
-        return image_folder::open(dir, Some(&file), options);
-    }
-    match layout_of(dir) {
-        Some(SequenceKind::TumRgbd) => tum::open(dir, options),
-        Some(SequenceKind::Kitti) => kitti::open(dir, options),
-        Some(SequenceKind::Euroc) => {
-            euroc::open(dir, &euroc::find_root(dir).unwrap_or_else(|| dir.to_path_buf()), options)
-        }
-        Some(_) => image_folder::open(dir, None, options),
-        None => Err(DatasetError::UnknownLayout { path: dir.to_path_buf() }),
-    }
+    check_folder(dir)?;
+    let mut warnings = Vec::new();
+    let layout = layout::find(dir);
+    let given = given::Given::find(dir, options, layout.as_ref(), &mut warnings)?;
+    let mut sequence = match layout.ok_or_else(|| layout::unknown(dir))? {
+        layout::Layout::Kitti(variant) => kitti::open(dir, &variant, options, &given)?,
+        layout::Layout::Tum(lists) => tum::open(dir, &lists, options, &given)?,
+        layout::Layout::Euroc(root) => euroc::open(dir, &root, options, &given)?,
+        layout::Layout::VslamLab => vslamlab::open(dir, options, &given)?,
+        layout::Layout::Images(tree) => image_folder::open(dir, &tree, options, &given)?,
+    };
+    stamps::drop_repeated(&mut sequence.frames, &mut sequence.warnings);
+    given.finish(&mut sequence);
+    inspect(&mut sequence)?;
+    warnings.append(&mut sequence.warnings);
+    Ok(Sequence { warnings, ..sequence })
 }
 
-/// The layout of a folder, from what lies in it; a calibration file in it makes it one of images, whatever else there is.
-pub fn layout_of(dir: &Path) -> Option<SequenceKind> {
-    if camera_file::find(dir).is_some() {
-        Some(SequenceKind::Images)
-    } else if dir.join("rgb.txt").exists() {
-        Some(SequenceKind::TumRgbd)
-    } else if kitti::is_kitti(dir) {
-        Some(SequenceKind::Kitti)
-    } else if euroc::find_root(dir).is_some() {
-        Some(SequenceKind::Euroc)
-    } else {
-        image_folder::has_images(dir).then_some(SequenceKind::Images)
+/// Whether there is a folder that may be read.
+fn check_folder(dir: &Path) -> Result<(), DatasetError> {
+    let path = dir.to_path_buf();
+    if let Some(what) = layout::container(dir) {
+        return Err(DatasetError::Container { path, what });
+    }
+    let unreadable = |reason: std::io::Error| FileError::Unreadable {
+        path: dir.to_path_buf(),
+        reason: reason.to_string(),
+    };
+    match std::fs::metadata(dir) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            Err(DatasetError::MissingFolder { path })
+        }
+        Err(error) => Err(unreadable(error).into()),
+        Ok(data) if !data.is_dir() => Err(DatasetError::NotAFolder { path }),
+        Ok(_) => std::fs::read_dir(dir).map(|_| ()).map_err(|error| unreadable(error).into()),
     }
 }
 

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::file::FileError;
+use crate::images::IMAGE_ENDINGS;
 
 /// The numbered images of a folder.
 pub(super) struct NumberedImages {
@@ -24,24 +25,7 @@ impl NumberedImages {
             digits: 6,
             extension: "png".to_string(),
         };
-        if !folder.is_dir() {
-            return Ok(images);
-        }
-        let unreadable = |error: std::io::Error| FileError::Unreadable {
-            path: folder.to_path_buf(),
-            reason: error.to_string(),
-        };
-        let mut paths = Vec::new();
-        for entry in fs::read_dir(folder).map_err(unreadable)? {
-            paths.push(entry.map_err(unreadable)?.path());
-        }
-        // In reverse, so that of two files with one number the first by name wins (000000.jpeg, .jpg, .png).
-        paths.sort();
-        for path in paths.into_iter().rev() {
-            if let Some(number) = image_number(&path) {
-                images.files.insert(number, path);
-            }
-        }
+        images.files = list_numbered(folder, &IMAGE_ENDINGS)?;
         images.learn_naming();
         Ok(images)
     }
@@ -65,6 +49,11 @@ impl NumberedImages {
         self.files.len()
     }
 
+    /// The lowest number.
+    pub(super) fn first(&self) -> Option<u32> {
+        self.files.keys().next().copied()
+    }
+
     /// The highest number.
     pub(super) fn last(&self) -> Option<u32> {
         self.files.keys().next_back().copied()
@@ -83,10 +72,34 @@ impl NumberedImages {
     }
 }
 
-/// The number in a file name that consists of digits and an image's extension.
-fn image_number(path: &Path) -> Option<u32> {
+/// The files of a folder whose names are a number and one of these endings; none where there is no such folder.
+pub(super) fn list_numbered(folder: &Path, endings: &[&str]) -> Result<BTreeMap<u32, PathBuf>, FileError> {
+    let mut files = BTreeMap::new();
+    if !folder.is_dir() {
+        return Ok(files);
+    }
+    let unreadable = |error: std::io::Error| FileError::Unreadable {
+        path: folder.to_path_buf(),
+        reason: error.to_string(),
+    };
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        paths.push(entry.map_err(unreadable)?.path());
+    }
+    // In reverse, so that of two files with one number the first by name wins (000000.jpeg, .jpg, .png).
+    paths.sort();
+    for path in paths.into_iter().rev() {
+        if let Some(number) = number_of(&path, endings) {
+            files.insert(number, path);
+        }
+    }
+    Ok(files)
+}
+
+/// The number in a file name that consists of digits and one of these endings.
+fn number_of(path: &Path, endings: &[&str]) -> Option<u32> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     let stem = path.file_stem()?.to_str()?;
-    let is_image = matches!(extension.as_str(), "png" | "jpg" | "jpeg");
-    (is_image && stem.bytes().all(|byte| byte.is_ascii_digit())).then(|| stem.parse().ok())?
+    let fits = endings.contains(&extension.as_str()) && stem.bytes().all(|byte| byte.is_ascii_digit());
+    fits.then(|| stem.parse().ok())?
 }

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::camera_file::read_calibration;
 use super::cameras::Cameras;
 use super::image_folder::{Pictures, choose};
-use super::{DatasetError, OpenOptions, Packing, Sensor, Sequence, SequenceKind, camera_file, folder_name};
+use super::layout::SequenceKind;
+use super::{DatasetError, OpenOptions, Packing, Sensor, Sequence, folder_name};
 use crate::images::{ImageError, ImageSize, half_size};
 
 /// What is known of a video or a camera before its first frame.
@@ -24,36 +26,31 @@ pub struct Video {
 /// # Errors
 /// [`DatasetError`] for a broken calibration file, and for stereo with one camera.
 pub fn open_cameras(file: &Path, sensor: Option<Sensor>) -> Result<(Sequence, ImageSize), DatasetError> {
-    let calibration = camera_file::read(file)?;
-    let [first, rest @ ..] = &calibration.cameras[..] else {
-        let reason = "the calibration file has no camera".to_owned();
-        let sensor = sensor.unwrap_or(Sensor::Mono);
-        return Err(DatasetError::SensorUnavailable { path: file.to_path_buf(), sensor, reason });
-    };
-    let sensor = sensor.unwrap_or(if rest.is_empty() { Sensor::Mono } else { Sensor::Stereo });
-    if sensor == Sensor::Stereo && rest.is_empty() {
+    let calibration = read_calibration(file)?;
+    let usual = if calibration.has_pair() { Sensor::Stereo } else { Sensor::Mono };
+    let sensor = sensor.unwrap_or(usual);
+    if sensor == Sensor::Stereo && !calibration.has_pair() {
         let reason = "the calibration file has one camera".to_owned();
         return Err(DatasetError::SensorUnavailable { path: file.to_path_buf(), sensor, reason });
     }
-    let cameras = calibration.cameras(sensor)?;
+    // Without a size in the file there is none at all: its cameras say so.
+    let size =
+        calibration.raw(Sensor::Mono, None)?.first().map_or(ImageSize { width: 0, height: 0 }, |c| c.size);
+    let cameras = calibration.cameras(sensor, None)?;
     let sequence = sequence(file, sensor, cameras, calibration.frame_rate_hz);
-    Ok((sequence, first.size))
+    Ok((sequence, size))
 }
 
 /// A sequence without frames that is called as the file.
 fn sequence(path: &Path, sensor: Sensor, cameras: Cameras, frame_rate_hz: Option<f64>) -> Sequence {
+    let name = path.file_stem().map_or_else(|| folder_name(path), |stem| stem.to_string_lossy().into_owned());
     Sequence {
-        name: path.file_stem().map_or_else(|| folder_name(path), |stem| stem.to_string_lossy().into_owned()),
-        kind: SequenceKind::Video,
-        sensor,
-        frames: Vec::new(),
         calibration: cameras.calibration,
         raw_calibration: cameras.raw,
         rectification: cameras.views,
-        ground_truth: None,
         body_from_left: cameras.body_from_left,
         frame_rate_hz,
-        warnings: Vec::new(),
+        ..Sequence::new(name, SequenceKind::Video, sensor)
     }
 }
 
@@ -63,20 +60,20 @@ fn sequence(path: &Path, sensor: Sensor, cameras: Cameras, frame_rate_hz: Option
 /// [`DatasetError`] for a broken calibration file, one that does not fit the frames, or a sensor that the video does not have.
 pub fn open_video(path: &Path, frame: ImageSize, options: &OpenOptions) -> Result<Video, DatasetError> {
     let mut warnings = Vec::new();
-    let file = options.calibration.as_deref().map(camera_file::read).transpose()?;
+    let file = options.calibration.as_deref().map(read_calibration).transpose()?;
     if file.is_none() {
         warnings.push(format!(
             "{}: no calibration file (--calib), so the configuration must give the camera",
             path.display()
         ));
     }
-    let pictures = Pictures { place: path, size: Some(frame), in_two_folders: false };
+    let pictures = Pictures { place: path, size: Some(frame), in_two_folders: false, has_depth: false };
     let (sensor, packing) = choose(&pictures, file.as_ref(), options.sensor, &mut warnings)?;
     let size = match packing {
         Packing::Whole => frame,
         Packing::LeftHalf | Packing::BothHalves => half_size(path, frame)?,
     };
-    let expected = file.as_ref().and_then(|file| Some((file.cameras.first()?.size, file.source())));
+    let expected = file.as_ref().and_then(|file| Some((file.size()?, file.source())));
     if let Some((expected, source)) = expected.filter(|(expected, _)| *expected != size) {
         let because = match sensor {
             Sensor::Stereo => format!("left and right side by side, each {expected} as in {source}"),
@@ -88,7 +85,7 @@ pub fn open_video(path: &Path, frame: ImageSize, options: &OpenOptions) -> Resul
             ImageError::WrongSize { path: path.to_path_buf(), found: frame, expected, because }.into()
         );
     }
-    let cameras = file.as_ref().map_or(Ok(Cameras::default()), |file| file.cameras(sensor))?;
+    let cameras = file.as_ref().map_or(Ok(Cameras::default()), |file| file.cameras(sensor, Some(size)))?;
     let frame_rate_hz = file.as_ref().and_then(|file| file.frame_rate_hz);
     let sequence = Sequence { warnings, ..sequence(path, sensor, cameras, frame_rate_hz) };
     Ok(Video { sequence, packing, size })

@@ -1,30 +1,38 @@
-//! Decoding of PNG and JPEG files. The bytes are read first, so that each way of being broken has its own error.
+//! Decoding of image files. The bytes are read first, so that each way of being broken has its own error.
 
-use std::fs;
+use std::fs::File;
 use std::io::{BufReader, Cursor, ErrorKind};
 use std::path::Path;
 
-use geometry::{DepthImage, GrayImage, Raster};
-use image::codecs::jpeg::JpegDecoder;
-use image::codecs::png::PngDecoder;
-use image::{ColorType, ImageDecoder, ImageFormat, ImageResult};
+use geometry::{GrayImage, Raster};
+use image::metadata::Orientation;
+use image::{ColorType, ImageDecoder, ImageFormat, ImageReader, ImageResult, Limits};
 
 use super::Rgb;
 use super::gray::{first_channel, gray_from_color};
+use super::jpeg;
 use super::{ImageError, ImageSize};
+use crate::file::{check_regular, read_bytes};
 
-/// Reads an image as 8-bit gray; color is weighted as OpenCV does, alpha is left out.
+const EXPECTED: &str = "8 or 16 bits per channel, gray or color";
+
+/// A broken header must not make the program ask for more memory than there is: neither by its sides nor by its pixels.
+const LONGEST_SIDE_PX: u32 = 16_384;
+const MOST_PIXELS: usize = 64 << 20;
+const MOST_BYTES: usize = 256 << 20;
+
+/// Reads an image as 8-bit gray; color is weighted as OpenCV does, alpha is left out, 16 bits are reduced to 8 (12 to 8 where no
+/// pixel needs more).
 ///
 /// # Errors
-/// [`ImageError`]; `UnsupportedDepth` for 16 bits a channel.
+/// [`ImageError`].
 pub fn load_gray(path: &Path) -> Result<GrayImage, ImageError> {
-    let decoded = decode(path)?;
+    let decoded = decode(path)?.in_8_bits(path)?;
     let data = match decoded.color {
         ColorType::L8 => decoded.bytes,
         ColorType::La8 => first_channel(&decoded.bytes, 2),
         ColorType::Rgb8 => gray_from_color(&decoded.bytes, 3),
-        ColorType::Rgba8 => gray_from_color(&decoded.bytes, 4),
-        other => return Err(unsupported(path, other, "8 bits per channel, gray or color")),
+        _ => gray_from_color(&decoded.bytes, 4),
     };
     raster(path, decoded.size, data)
 }
@@ -32,30 +40,14 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, ImageError> {
 /// Reads an image as 8-bit color; gray gives three equal channels, alpha is left out.
 ///
 /// # Errors
-/// [`ImageError`]; `UnsupportedDepth` for 16 bits a channel.
+/// [`ImageError`].
 pub fn load_rgb(path: &Path) -> Result<Rgb, ImageError> {
-    let decoded = decode(path)?;
+    let decoded = decode(path)?.in_8_bits(path)?;
     let (bytes, n_channels) = (&decoded.bytes, usize::from(decoded.color.channel_count()));
     let data = match decoded.color {
         ColorType::L8 | ColorType::La8 => bytes.chunks_exact(n_channels).map(|pixel| [pixel[0]; 3]).collect(),
-        ColorType::Rgb8 | ColorType::Rgba8 => {
-            bytes.chunks_exact(n_channels).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
-        }
-        other => return Err(unsupported(path, other, "8 bits per channel, gray or color")),
+        _ => bytes.chunks_exact(n_channels).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect(),
     };
-    raster(path, decoded.size, data)
-}
-
-/// Reads a 16-bit gray image unchanged: depth in the dataset's units.
-///
-/// # Errors
-/// [`ImageError`]; `UnsupportedDepth` for anything but 16-bit gray.
-pub fn load_depth(path: &Path) -> Result<DepthImage, ImageError> {
-    let decoded = decode(path)?;
-    if decoded.color != ColorType::L16 {
-        return Err(unsupported(path, decoded.color, "16-bit gray (a depth image)"));
-    }
-    let data = decoded.bytes.chunks_exact(2).map(|pair| u16::from_ne_bytes([pair[0], pair[1]])).collect();
     raster(path, decoded.size, data)
 }
 
@@ -64,53 +56,128 @@ pub fn load_depth(path: &Path) -> Result<DepthImage, ImageError> {
 /// # Errors
 /// [`ImageError`] as far as the header shows it.
 pub fn image_size(path: &Path) -> Result<ImageSize, ImageError> {
-    let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+    header(path, |decoder| size_from_dimensions(decoder.dimensions()))
+}
+
+/// Size and kind of pixel from an image's header.
+pub(super) fn kind(path: &Path) -> Result<(ImageSize, ColorType), ImageError> {
+    header(path, |decoder| (size_from_dimensions(decoder.dimensions()), decoder.color_type()))
+}
+
+/// How a file says that it is to be shown, where not as it is stored.
+pub(super) fn orientation(path: &Path) -> Option<&'static str> {
+    let bytes = read_bytes(path).ok()?;
+    let mut decoder = decoder(Cursor::new(bytes.as_slice()), format_of(path, &bytes).ok()?).ok()?;
+    Some(match decoder.orientation().ok()? {
+        Orientation::NoTransforms => return None,
+        Orientation::Rotate90 => "turned by 90 degrees",
+        Orientation::Rotate180 => "turned by 180 degrees",
+        Orientation::Rotate270 => "turned by 270 degrees",
+        _ => "mirrored",
+    })
+}
+
+/// Something out of the header of a file.
+fn header<T>(path: &Path, get: impl FnOnce(&dyn Header) -> T) -> Result<T, ImageError> {
+    check_regular(path).map_err(|error| unreadable(path, &error))?;
+    let file = File::open(path).map_err(|error| unreadable(path, &error))?;
     let mut reader = BufReader::new(file);
     let head = std::io::BufRead::fill_buf(&mut reader).map_err(|error| unreadable(path, &error))?;
     let format = format_of(path, head)?;
-    let size = match format {
-        Format::Png => PngDecoder::new(&mut reader).map(|decoder| decoder.dimensions()),
-        Format::Jpeg => JpegDecoder::new(&mut reader).map(|decoder| decoder.dimensions()),
-    };
-    size.map(size_from_dimensions).map_err(|error| corrupt(path, format, &error))
+    let decoder = decoder(reader, format).map_err(|error| corrupt(path, format, &error))?;
+    Ok(get(&decoder))
 }
 
-/// A broken header must not make the program ask for more memory than there is.
-const LONGEST_SIDE_PX: usize = 16_384;
+/// What a decoder knows before the pixels.
+trait Header {
+    fn dimensions(&self) -> (u32, u32);
+    fn color_type(&self) -> ColorType;
+}
 
-/// The formats that datasets use.
-#[derive(Clone, Copy)]
-enum Format {
-    Png,
-    Jpeg,
+impl<T: ImageDecoder> Header for T {
+    fn dimensions(&self) -> (u32, u32) {
+        ImageDecoder::dimensions(self)
+    }
+
+    fn color_type(&self) -> ColorType {
+        ImageDecoder::color_type(self)
+    }
 }
 
 /// Pixels as the decoder gives them, 16-bit values in native byte order.
-struct Decoded {
-    size: ImageSize,
-    color: ColorType,
-    bytes: Vec<u8>,
+pub(super) struct Decoded {
+    pub(super) size: ImageSize,
+    pub(super) color: ColorType,
+    pub(super) bytes: Vec<u8>,
 }
 
-fn decode(path: &Path) -> Result<Decoded, ImageError> {
-    let bytes = fs::read(path).map_err(|error| unreadable(path, &error))?;
-    let format = format_of(path, &bytes)?;
-    let cursor = Cursor::new(bytes.as_slice());
-    let decoded = match format {
-        Format::Png => PngDecoder::new(cursor).and_then(read_pixels),
-        Format::Jpeg => JpegDecoder::new(cursor).and_then(read_pixels),
-    };
+impl Decoded {
+    /// The same with 8 bits a channel.
+    fn in_8_bits(self, path: &Path) -> Result<Self, ImageError> {
+        let color = match self.color {
+            ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => return Ok(self),
+            ColorType::L16 => ColorType::L8,
+            ColorType::La16 => ColorType::La8,
+            ColorType::Rgb16 => ColorType::Rgb8,
+            ColorType::Rgba16 => ColorType::Rgba8,
+            other => return Err(unsupported(path, other, EXPECTED)),
+        };
+        /// Cameras of 12 bits write their values as they are.
+        const OF_12_BITS: u16 = 1 << 12;
+        let values = self.bytes.as_chunks::<2>().0.iter().map(|&pair| u16::from_ne_bytes(pair));
+        let is_12 = values.clone().all(|value| value < OF_12_BITS);
+        let shift = if is_12 { 4 } else { 8 };
+        let bytes = values.map(|value| (value >> shift) as u8).collect();
+        Ok(Self { color, bytes, ..self })
+    }
+}
+
+pub(super) fn decode(path: &Path) -> Result<Decoded, ImageError> {
+    decode_bytes(path, &read(path)?)
+}
+
+/// The bytes of an image file.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, ImageError> {
+    read_bytes(path).map_err(|error| unreadable(path, &error))
+}
+
+pub(super) fn decode_bytes(path: &Path, bytes: &[u8]) -> Result<Decoded, ImageError> {
+    let format = format_of(path, bytes)?;
+    if format == ImageFormat::Jpeg && !jpeg::is_complete(bytes) {
+        return Err(ImageError::Corrupt {
+            path: path.to_path_buf(),
+            format: name(format),
+            reason: "it ends before its end marker".to_owned(),
+        });
+    }
+    let decoded = decoder(Cursor::new(bytes), format).and_then(read_pixels);
     decoded.map_err(|error| corrupt(path, format, &error))
+}
+
+/// The decoder of a format, with its limits.
+fn decoder<'a, R: std::io::BufRead + std::io::Seek + 'a>(
+    reader: R,
+    format: ImageFormat,
+) -> ImageResult<impl ImageDecoder + 'a> {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(LONGEST_SIDE_PX);
+    limits.max_image_height = Some(LONGEST_SIDE_PX);
+    limits.max_alloc = Some(MOST_BYTES as u64);
+    let mut reader = ImageReader::with_format(reader, format);
+    reader.limits(limits);
+    reader.into_decoder()
 }
 
 fn read_pixels(decoder: impl ImageDecoder) -> ImageResult<Decoded> {
     let size = size_from_dimensions(decoder.dimensions());
     let color = decoder.color_type();
-    if size.width.max(size.height) > LONGEST_SIDE_PX {
+    let n_pixels = size.width.saturating_mul(size.height);
+    let n_bytes = n_pixels.saturating_mul(usize::from(color.bytes_per_pixel()));
+    if n_pixels > MOST_PIXELS || n_bytes > MOST_BYTES {
         let kind = image::error::LimitErrorKind::DimensionError;
         return Err(image::ImageError::Limits(image::error::LimitError::from_kind(kind)));
     }
-    let mut bytes = vec![0; size.width * size.height * usize::from(color.bytes_per_pixel())];
+    let mut bytes = vec![0; n_bytes];
     decoder.read_image(&mut bytes)?;
     Ok(Decoded { size, color, bytes })
 }
@@ -119,7 +186,7 @@ fn size_from_dimensions((width, height): (u32, u32)) -> ImageSize {
     ImageSize { width: width as usize, height: height as usize }
 }
 
-fn raster<T: Copy>(path: &Path, size: ImageSize, data: Vec<T>) -> Result<Raster<T>, ImageError> {
+pub(super) fn raster<T: Copy>(path: &Path, size: ImageSize, data: Vec<T>) -> Result<Raster<T>, ImageError> {
     Raster::from_vec(size.width, size.height, data).ok_or_else(|| ImageError::Corrupt {
         path: path.to_path_buf(),
         format: "decoded",
@@ -128,14 +195,26 @@ fn raster<T: Copy>(path: &Path, size: ImageSize, data: Vec<T>) -> Result<Raster<
 }
 
 /// Detects the format from the first bytes, regardless of the file name.
-fn format_of(path: &Path, head: &[u8]) -> Result<Format, ImageError> {
+fn format_of(path: &Path, head: &[u8]) -> Result<ImageFormat, ImageError> {
     if head.is_empty() {
         return Err(ImageError::Empty { path: path.to_path_buf() });
     }
     match image::guess_format(head) {
-        Ok(ImageFormat::Png) => Ok(Format::Png),
-        Ok(ImageFormat::Jpeg) => Ok(Format::Jpeg),
+        Ok(format) if !name(format).is_empty() => Ok(format),
         _ => Err(ImageError::NotAnImage { path: path.to_path_buf(), found: describe_head(head) }),
+    }
+}
+
+/// The formats that datasets use; empty for others.
+fn name(format: ImageFormat) -> &'static str {
+    match format {
+        ImageFormat::Png => "PNG",
+        ImageFormat::Jpeg => "JPEG",
+        ImageFormat::Pnm => "PGM or PPM",
+        ImageFormat::Bmp => "BMP",
+        ImageFormat::Tiff => "TIFF",
+        ImageFormat::WebP => "WebP",
+        _ => "",
     }
 }
 
@@ -161,17 +240,14 @@ fn unreadable(path: &Path, error: &std::io::Error) -> ImageError {
     }
 }
 
-fn corrupt(path: &Path, format: Format, error: &image::ImageError) -> ImageError {
-    let format = match format {
-        Format::Png => "PNG",
-        Format::Jpeg => "JPEG",
-    };
+fn corrupt(path: &Path, format: ImageFormat, error: &image::ImageError) -> ImageError {
+    let format = name(format);
     // The decoder's own words, without the sentence that `image` puts before them.
     let reason = std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string);
     ImageError::Corrupt { path: path.to_path_buf(), format, reason }
 }
 
-fn unsupported(path: &Path, color: ColorType, expected: &'static str) -> ImageError {
+pub(super) fn unsupported(path: &Path, color: ColorType, expected: &'static str) -> ImageError {
     let found = match color {
         ColorType::L8 => "8-bit gray".to_string(),
         ColorType::L16 => "16-bit gray".to_string(),

@@ -1,6 +1,6 @@
 //! What can be wrong with an image file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use geometry::ImageSize;
 
@@ -32,13 +32,13 @@ pub enum ImageError {
     Corrupt {
         /// The image file.
         path: PathBuf,
-        /// `PNG` or `JPEG`.
+        /// `PNG`, `JPEG` and so on.
         format: &'static str,
         /// What the decoder says.
         reason: String,
     },
-    /// The file is neither PNG nor JPEG.
-    #[error("{}: not an image: begins with {found}, expected PNG or JPEG", path.display())]
+    /// The file is none of the images that are read.
+    #[error("{}: not an image: begins with {found}, expected PNG, JPEG, PGM, PPM, BMP, TIFF or WebP", path.display())]
     NotAnImage {
         /// The image file.
         path: PathBuf,
@@ -75,4 +75,20 @@ pub enum ImageError {
         /// The kinds that are supported.
         expected: &'static str,
     },
+}
+
+impl ImageError {
+    /// The error of an image file that has another size than it must have; where that comes from a note in the file that it is to be
+    /// turned, the error says so.
+    pub fn wrong_size(path: &Path, found: ImageSize, expected: ImageSize, because: &str) -> Self {
+        let is_turned = found.width == expected.height && found.height == expected.width;
+        let note = Some(path).filter(|_| is_turned).and_then(super::decode::orientation);
+        let because = match note {
+            Some(note) => format!(
+                "{because}; the file has the EXIF note that it is to be shown {note}, which is not done here: turn the images first"
+            ),
+            None => because.to_owned(),
+        };
+        Self::WrongSize { path: path.to_path_buf(), found, expected, because }
+    }
 }

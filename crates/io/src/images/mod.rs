@@ -1,10 +1,13 @@
-//! Images from and to files: 8-bit gray and color, 16-bit depth; the first stage of the pipeline.
+//! Images from and to files: gray, color and depth; the first stage of the pipeline.
 
 mod decode;
+mod depth;
 mod encode;
 mod error;
 mod gray;
 mod halves;
+mod inspect;
+mod jpeg;
 mod resize;
 
 use std::path::Path;
@@ -13,13 +16,19 @@ use geometry::{DepthImage, GrayImage, Raster};
 
 use crate::dataset::{FrameSource, Packing};
 
-pub use decode::{image_size, load_depth, load_gray, load_rgb};
+pub use decode::{image_size, load_gray, load_rgb};
+pub use depth::load_depth;
 pub use encode::{Preview, preview, save_png_depth, save_png_gray, save_png_rgb};
 pub use error::ImageError;
 pub use geometry::ImageSize;
 pub use gray::brightness;
 pub(crate) use halves::half_size;
+pub(crate) use inspect::inspect;
 pub use resize::{reduce_depth, reduce_gray};
+
+/// Endings of the names of images, in small letters; their content tells their format.
+pub(crate) const IMAGE_ENDINGS: [&str; 11] =
+    ["png", "jpg", "jpeg", "pgm", "ppm", "pnm", "bmp", "tif", "tiff", "webp", "jpe"];
 
 /// An 8-bit color image, red first.
 pub type Rgb = Raster<[u8; 3]>;
@@ -88,8 +97,5 @@ pub fn load_frame(source: &FrameSource) -> Result<LoadedFrame, ImageError> {
 }
 
 fn check_size(path: &Path, found: ImageSize, expected: ImageSize, because: &str) -> Result<(), ImageError> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(ImageError::WrongSize { path: path.to_path_buf(), found, expected, because: because.to_string() })
+    if found == expected { Ok(()) } else { Err(ImageError::wrong_size(path, found, expected, because)) }
 }

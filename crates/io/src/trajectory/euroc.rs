@@ -5,26 +5,27 @@ use std::path::Path;
 
 use geometry::{SE3, Vec3};
 
-use super::{StampedPose, Trajectory, rotation_from_quaternion};
+use super::{Clock, StampedPose, Trajectory, rotation_from_quaternion};
+use crate::dataset::stamps::{nanoseconds, seconds};
 use crate::file::{FileError, Line, counted, write_atomic};
 
 pub(super) const EXPECTED: &str = "at least 8 comma-separated numbers (ns, px, py, pz, qw, qx, qy, qz)";
-const NANOSECONDS_PER_SECOND: f64 = 1e9;
 
 /// One row; what stands after the first eight columns (velocities, biases) is left alone.
-pub(super) fn row(line: &Line<'_>) -> Result<StampedPose, FileError> {
+pub(super) fn row(line: &Line<'_>, w_first: bool) -> Result<StampedPose, FileError> {
     let n_fields = line.text.split(',').count();
     if n_fields < 8 {
         return Err(line.error(counted(n_fields, "field"), EXPECTED));
     }
     let mut fields = line.text.split(',').map(str::trim);
     let stamp = fields.next().unwrap_or_default();
-    let nanoseconds: u64 =
+    let stamp_ns: i64 =
         stamp.parse().map_err(|_| line.error(crate::file::shown(stamp), "whole nanoseconds"))?;
-    let [px, py, pz, qw, qx, qy, qz] = line.numbers(fields.take(7), EXPECTED)?;
-    let rotation = rotation_from_quaternion(line, [qw, qx, qy, qz])?;
+    let [px, py, pz, q @ ..] = line.numbers::<7>(fields.take(7), EXPECTED)?;
+    let [a, b, c, d] = q;
+    let rotation = rotation_from_quaternion(line, if w_first { q } else { [d, a, b, c] })?;
     Ok(StampedPose {
-        timestamp_s: nanoseconds as f64 / NANOSECONDS_PER_SECOND,
+        timestamp_s: seconds(stamp_ns),
         world_from_cam: SE3::new(rotation, Vec3::new(px, py, pz)),
     })
 }
@@ -41,12 +42,39 @@ pub fn write_euroc(path: &Path, trajectory: &Trajectory) -> Result<(), FileError
     for pose in &trajectory.poses {
         let t = pose.world_from_cam.translation;
         let q = pose.world_from_cam.rotation.to_quaternion();
-        let nanoseconds = (pose.timestamp_s * NANOSECONDS_PER_SECOND).round() as u64;
+        let nanoseconds = nanoseconds(pose.timestamp_s).max(0);
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "{nanoseconds},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12}",
             t.x, t.y, t.z, q.w, q.i, q.j, q.k
+        );
+    }
+    write_atomic(path, text.as_bytes())
+}
+
+/// Writes poses in the form of VSLAM-LAB's results: `ts (ns),tx,ty,tz,qx,qy,qz,qw`, with the stamps of a sequence's frames exactly as
+/// they were read.
+///
+/// # Errors
+/// [`FileError::Unwritable`].
+pub fn write_vslamlab(path: &Path, trajectory: &Trajectory, clock: &Clock) -> Result<(), FileError> {
+    let mut text = String::from("ts (ns),tx,ty,tz,qx,qy,qz,qw\n");
+    for pose in &trajectory.poses {
+        let t = pose.world_from_cam.translation;
+        let q = pose.world_from_cam.rotation.to_quaternion();
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12}",
+            clock.nanoseconds(pose.timestamp_s),
+            t.x,
+            t.y,
+            t.z,
+            q.i,
+            q.j,
+            q.k,
+            q.w
         );
     }
     write_atomic(path, text.as_bytes())

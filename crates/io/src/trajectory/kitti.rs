@@ -10,20 +10,37 @@ use crate::file::{FileError, Line, write_atomic};
 
 pub(super) const EXPECTED: &str = "12 numbers (the 3x4 pose, row by row)";
 const EXPECTED_STAMPED: &str = "13 numbers (frame number or time, and the 3x4 pose, row by row)";
-/// Columns of a row with a frame number or a time in front.
-pub(super) const STAMPED_COLUMNS: usize = 13;
+/// Columns of a row with a frame number or a time in front of 12 or 16.
+pub(super) const STAMPED_COLUMNS: [usize; 2] = [13, 17];
 
-/// Row number `index` of a file without frame numbers.
+/// Row number `index` of a file without frame numbers: 12 numbers, or the 16 of the whole matrix.
 pub(super) fn row(line: &Line<'_>, index: usize) -> Result<StampedPose, FileError> {
-    let row = line.numbers::<12>(line.text.split_whitespace(), EXPECTED)?;
-    Ok(StampedPose { timestamp_s: index as f64, world_from_cam: pose_from_row(line, &row)? })
+    let world_from_cam = if line.text.split_whitespace().count() == 16 {
+        pose_of_matrix(line, &line.numbers(line.text.split_whitespace(), EXPECTED)?)?
+    } else {
+        pose_from_row(line, &line.numbers(line.text.split_whitespace(), EXPECTED)?)?
+    };
+    Ok(StampedPose { timestamp_s: index as f64, world_from_cam })
 }
 
 /// A row with a frame number or a time in front.
 pub(super) fn stamped_row(line: &Line<'_>) -> Result<StampedPose, FileError> {
-    let [timestamp_s, row @ ..] =
-        line.numbers::<STAMPED_COLUMNS>(line.text.split_whitespace(), EXPECTED_STAMPED)?;
+    if line.text.split_whitespace().count() == STAMPED_COLUMNS[1] {
+        let [timestamp_s, matrix @ ..] =
+            line.numbers::<17>(line.text.split_whitespace(), EXPECTED_STAMPED)?;
+        return Ok(StampedPose { timestamp_s, world_from_cam: pose_of_matrix(line, &matrix)? });
+    }
+    let [timestamp_s, row @ ..] = line.numbers::<13>(line.text.split_whitespace(), EXPECTED_STAMPED)?;
     Ok(StampedPose { timestamp_s, world_from_cam: pose_from_row(line, &row)? })
+}
+
+/// The pose of a 4x4 matrix, whose last row must be 0 0 0 1.
+pub(super) fn pose_of_matrix(line: &Line<'_>, matrix: &[f64; 16]) -> Result<SE3, FileError> {
+    let [row @ .., a, b, c, d] = matrix;
+    if [*a, *b, *c, *d] != [0.0, 0.0, 0.0, 1.0] {
+        return Err(line.error(format!("{a} {b} {c} {d} as last row of the matrix"), "0 0 0 1"));
+    }
+    pose_from_row(line, row)
 }
 
 /// The pose of twelve numbers, its rotation as it is written.

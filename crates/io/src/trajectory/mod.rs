@@ -1,5 +1,6 @@
 //! Trajectories: time-stamped camera poses, read and written in the formats of KITTI, TUM and EuRoC.
 
+mod clock;
 mod euroc;
 mod kitti;
 mod tum;
@@ -10,9 +11,10 @@ use geometry::SE3;
 
 use crate::file::{FileError, Line, TextFile, counted};
 
-pub use euroc::write_euroc;
+pub use clock::Clock;
+pub use euroc::{write_euroc, write_vslamlab};
 pub use kitti::write_kitti;
-pub use tum::write_tum;
+pub use tum::{write_tum, write_tum_at};
 
 /// A camera pose with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,11 +36,13 @@ pub struct Trajectory {
 /// The file formats of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrajectoryFormat {
-    /// Twelve numbers a line: the upper 3x4 of `world_from_cam`, row by row; or 13 with a frame number or a time in front.
+    /// Twelve numbers a line: the upper 3x4 of `world_from_cam`, row by row, or 16 of the whole matrix; or one more with a frame
+    /// number or a time in front.
     Kitti,
-    /// Eight numbers a line: seconds, position, quaternion x y z w.
+    /// Eight numbers a line: seconds, position, quaternion x y z w; or seven without time.
     Tum,
-    /// Comma separated: nanoseconds, position, quaternion w x y z, anything more.
+    /// Comma separated: nanoseconds, position, quaternion w x y z, anything more. Under a header that names `qx` before `qw`
+    /// (VSLAM-LAB) the quaternion is x y z w.
     Euroc,
 }
 
@@ -81,10 +85,17 @@ impl Trajectory {
 impl TrajectoryFile {
     /// The poses with times in seconds: poses of frames get those of their frames, `times_s`; poses of later frames
     /// are skipped.
-    pub fn with_frame_times(mut self, times_s: &[f64]) -> Trajectory {
+    pub fn with_frame_times(self, times_s: &[f64]) -> Trajectory {
+        self.at_frames(times_s, 0)
+    }
+
+    /// As [`TrajectoryFile::with_frame_times`], for frames of which the first has the number `first`.
+    pub(crate) fn at_frames(mut self, times_s: &[f64], first: u32) -> Trajectory {
         if self.stamps != Stamps::Times {
+            let first = if self.stamps == Stamps::FrameNumbers { f64::from(first) } else { 0.0 };
             let time = |pose: &StampedPose| {
-                let timestamp_s = *times_s.get(pose.timestamp_s as usize)?;
+                let position = Some(pose.timestamp_s - first).filter(|position| *position >= 0.0)?;
+                let timestamp_s = *times_s.get(position as usize)?;
                 Some(StampedPose { timestamp_s, ..*pose })
             };
             self.trajectory.poses = self.trajectory.poses.iter().filter_map(time).collect();
@@ -104,36 +115,106 @@ impl TrajectoryFile {
 /// [`FileError`] for a missing or empty file, a row of the wrong length, a value that is not a finite number, a matrix or
 /// quaternion that is not a rotation, or times (frame numbers) that do not increase.
 pub fn read_trajectory(path: &Path, format: Option<TrajectoryFormat>) -> Result<TrajectoryFile, FileError> {
+    let (file, odd) = read_lenient(path, format)?;
+    odd.map_or(Ok(file), |(problem, _)| Err(problem))
+}
+
+/// Reads a trajectory as far as it can be read; beside it what is wrong with the first line that cannot, and how many there are.
+///
+/// # Errors
+/// [`FileError`] for a missing or empty file, an unknown format, and where no line can be read.
+pub(crate) fn read_lenient(
+    path: &Path,
+    format: Option<TrajectoryFormat>,
+) -> Result<(TrajectoryFile, Option<(FileError, usize)>), FileError> {
     let expected = format.map_or(ANY_FORMAT, TrajectoryFormat::row);
     let file = TextFile::read(path, expected)?;
-    let first = file.data_lines().next().ok_or_else(|| file.empty(expected))?;
+    let mut lines = file.data_lines().peekable();
+    let header = lines.next_if(is_header).map(|line| line.text.to_ascii_lowercase());
+    let first = lines.peek().copied().ok_or_else(|| file.empty(expected))?;
     let format = format.map_or_else(|| detect(&first), Ok)?;
-    let is_stamped = first.text.split_whitespace().count() == kitti::STAMPED_COLUMNS;
+    let rows = Rows::of(format, &first, header.as_deref());
     let mut poses: Vec<StampedPose> = Vec::new();
     let mut n_repeated_times = 0;
-    for line in file.data_lines() {
-        let pose = match format {
-            TrajectoryFormat::Kitti if is_stamped => kitti::stamped_row(&line)?,
-            TrajectoryFormat::Kitti => kitti::row(&line, poses.len())?,
-            TrajectoryFormat::Tum => tum::row(&line)?,
-            TrajectoryFormat::Euroc => euroc::row(&line)?,
-        };
+    let mut odd: Option<(FileError, usize)> = None;
+    for (number, line) in lines.enumerate() {
         let previous_s = poses.last().map(|pose| pose.timestamp_s);
-        if format != TrajectoryFormat::Kitti && previous_s == Some(pose.timestamp_s) {
-            n_repeated_times += 1;
-            continue;
+        let pose = rows.read(&line, number).and_then(|pose| {
+            let is_repeated = format != TrajectoryFormat::Kitti && previous_s == Some(pose.timestamp_s);
+            if is_repeated {
+                return Ok(None);
+            }
+            check_increasing(&line, previous_s, pose.timestamp_s).map(|()| Some(pose))
+        });
+        match pose {
+            Ok(Some(pose)) => poses.push(pose),
+            Ok(None) => n_repeated_times += 1,
+            Err(problem) => odd = Some(odd.map_or((problem, 1), |(first, n)| (first, n + 1))),
         }
-        check_increasing(&line, previous_s, pose.timestamp_s)?;
-        poses.push(pose);
+    }
+    if let (true, Some((problem, _))) = (poses.is_empty(), &odd) {
+        return Err(problem.clone());
     }
     let stamps = match format {
-        TrajectoryFormat::Kitti if !is_stamped => Stamps::Rows,
+        _ if !rows.is_stamped => Stamps::Rows,
         TrajectoryFormat::Kitti if poses.iter().all(|pose| is_frame_number(pose.timestamp_s)) => {
             Stamps::FrameNumbers
         }
         _ => Stamps::Times,
     };
-    Ok(TrajectoryFile { trajectory: Trajectory { poses }, format, stamps, n_repeated_times })
+    Ok((TrajectoryFile { trajectory: Trajectory { poses }, format, stamps, n_repeated_times }, odd))
+}
+
+/// Reads a pose from a file of its own: a 4x4 matrix, row by row.
+///
+/// # Errors
+/// [`FileError`] for anything else.
+pub(crate) fn read_matrix(path: &Path) -> Result<SE3, FileError> {
+    const EXPECTED: &str = "16 numbers (a 4x4 pose, row by row)";
+    let file = TextFile::read(path, EXPECTED)?;
+    let first = file.data_lines().next().ok_or_else(|| file.empty(EXPECTED))?;
+    let fields = file.data_lines().flat_map(|line| line.text.split_whitespace());
+    let matrix: [f64; 16] = first.numbers(fields, EXPECTED)?;
+    kitti::pose_of_matrix(&first, &matrix)
+}
+
+/// How the rows of a file are read.
+struct Rows {
+    format: TrajectoryFormat,
+    /// Whether a time or a frame number stands in front.
+    is_stamped: bool,
+    /// The quaternion of comma separated rows begins with w.
+    w_first: bool,
+}
+
+impl Rows {
+    fn of(format: TrajectoryFormat, first: &Line<'_>, header: Option<&str>) -> Self {
+        let n = first.text.split_whitespace().count();
+        let is_stamped = match format {
+            TrajectoryFormat::Kitti => kitti::STAMPED_COLUMNS.contains(&n),
+            TrajectoryFormat::Tum => n != tum::UNSTAMPED_COLUMNS,
+            TrajectoryFormat::Euroc => true,
+        };
+        let at = |name: &str| header.and_then(|header| header.find(name));
+        let w_first = at("qx").zip(at("qw")).is_none_or(|(x, w)| w < x);
+        Self { format, is_stamped, w_first }
+    }
+
+    fn read(&self, line: &Line<'_>, number: usize) -> Result<StampedPose, FileError> {
+        match self.format {
+            TrajectoryFormat::Kitti if self.is_stamped => kitti::stamped_row(line),
+            TrajectoryFormat::Kitti => kitti::row(line, number),
+            TrajectoryFormat::Tum if self.is_stamped => tum::row(line),
+            TrajectoryFormat::Tum => tum::unstamped_row(line, number),
+            TrajectoryFormat::Euroc => euroc::row(line, self.w_first),
+        }
+    }
+}
+
+/// Whether a line gives names of columns.
+fn is_header(line: &Line<'_>) -> bool {
+    let text = line.text.to_ascii_lowercase();
+    text.contains("qw") && text.contains("qx") || text.starts_with("timestamp") || text.starts_with("ts ")
 }
 
 /// What a file of unknown format should hold.
@@ -157,8 +238,8 @@ fn detect(line: &Line<'_>) -> Result<TrajectoryFormat, FileError> {
         return Ok(TrajectoryFormat::Euroc);
     }
     match line.text.split_whitespace().count() {
-        12 | kitti::STAMPED_COLUMNS => Ok(TrajectoryFormat::Kitti),
-        8 => Ok(TrajectoryFormat::Tum),
+        12 | 13 | 16 | 17 => Ok(TrajectoryFormat::Kitti),
+        tum::UNSTAMPED_COLUMNS | 8 => Ok(TrajectoryFormat::Tum),
         n => Err(line.error(counted(n, "field"), ANY_FORMAT)),
     }
 }

@@ -5,10 +5,13 @@ use std::path::Path;
 
 use geometry::{SE3, Vec3};
 
-use super::{StampedPose, Trajectory, rotation_from_quaternion};
+use super::{Clock, StampedPose, Trajectory, rotation_from_quaternion};
 use crate::file::{FileError, Line, write_atomic};
 
 pub(super) const EXPECTED: &str = "8 numbers (timestamp tx ty tz qx qy qz qw)";
+
+/// Columns of a row without time.
+pub(super) const UNSTAMPED_COLUMNS: usize = 7;
 
 /// One row.
 pub(super) fn row(line: &Line<'_>) -> Result<StampedPose, FileError> {
@@ -17,11 +20,27 @@ pub(super) fn row(line: &Line<'_>) -> Result<StampedPose, FileError> {
     Ok(StampedPose { timestamp_s, world_from_cam: SE3::new(rotation, Vec3::new(tx, ty, tz)) })
 }
 
+/// Row number `index` of a file without times.
+pub(super) fn unstamped_row(line: &Line<'_>, index: usize) -> Result<StampedPose, FileError> {
+    const EXPECTED: &str = "7 numbers (tx ty tz qx qy qz qw)";
+    let [tx, ty, tz, qx, qy, qz, qw] = line.numbers(line.text.split_whitespace(), EXPECTED)?;
+    let rotation = rotation_from_quaternion(line, [qw, qx, qy, qz])?;
+    Ok(StampedPose { timestamp_s: index as f64, world_from_cam: SE3::new(rotation, Vec3::new(tx, ty, tz)) })
+}
+
 /// Writes a TUM trajectory: times with nine decimals, poses exact to 1e-9 when read back.
 ///
 /// # Errors
 /// [`FileError::Unwritable`].
 pub fn write_tum(path: &Path, trajectory: &Trajectory) -> Result<(), FileError> {
+    write_tum_at(path, trajectory, &Clock::default())
+}
+
+/// As [`write_tum`], with the stamps of a sequence's frames exactly as they were read.
+///
+/// # Errors
+/// [`FileError::Unwritable`].
+pub fn write_tum_at(path: &Path, trajectory: &Trajectory, clock: &Clock) -> Result<(), FileError> {
     let mut text = String::with_capacity(trajectory.poses.len() * 160);
     text.push_str("# timestamp tx ty tz qx qy qz qw\n");
     for pose in &trajectory.poses {
@@ -30,8 +49,15 @@ pub fn write_tum(path: &Path, trajectory: &Trajectory) -> Result<(), FileError> 
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:.9} {:.12} {:.12} {:.12} {:.12} {:.12} {:.12} {:.12}",
-            pose.timestamp_s, t.x, t.y, t.z, q.i, q.j, q.k, q.w
+            "{} {:.12} {:.12} {:.12} {:.12} {:.12} {:.12} {:.12}",
+            clock.stamp(pose.timestamp_s),
+            t.x,
+            t.y,
+            t.z,
+            q.i,
+            q.j,
+            q.k,
+            q.w
         );
     }
     write_atomic(path, text.as_bytes())

@@ -32,11 +32,18 @@ fn file_instead_of_folder() {
 
 #[test]
 fn unknown_layout() {
-    assert_eq!(
-        refused(&Folder::new(), None),
-        "DIR: no known dataset layout, expected KITTI (times.txt, calib.txt, image_0 or image_2), TUM RGB-D \
-         (rgb.txt, depth.txt), EuRoC (mav0/cam0) or images (PNG or JPEG, in the folder itself or in left and right)"
+    let folder = Folder::new();
+    let message = refused(&folder, None);
+    assert!(
+        message.starts_with("DIR: no known dataset layout: found nothing; expected KITTI (image_0"),
+        "{message}"
     );
+    for name in ["notes.doc", "a.raw", "b.raw"] {
+        folder.write(name, "x");
+    }
+    std::fs::create_dir(folder.file("frames")).unwrap();
+    let found = "found the folders frames; 2 files end in .raw, 1 in .doc; expected";
+    assert!(refused(&folder, None).contains(found), "{}", refused(&folder, None));
 }
 
 #[test]
@@ -84,8 +91,8 @@ fn times_that_go_back_or_stand_still() {
         "DIR/times.txt:3: found time 0.1 after 0.2 of the previous entry, expected strictly increasing times"
     );
     assert_eq!(
-        refused_with("times.txt", "0\n0.2\n0.2\n"),
-        "DIR/times.txt:3: found time 0.2 after 0.2 of the previous entry, expected strictly increasing times"
+        refused_with("times.txt", "0\n0\n0\n"),
+        "DIR/times.txt:3: found time 0 after 0 of the previous entry, expected strictly increasing times"
     );
 }
 
@@ -103,11 +110,11 @@ fn binary_times() {
 fn missing_calibration_line() {
     assert_eq!(
         refused_with("calib.txt", P0),
-        "DIR/calib.txt: found no line `P1:`, expected 12 numbers (projection matrix, row by row)"
+        "DIR/calib.txt: found no line `P1:` or `P_rect_01:`, expected 12 numbers (projection matrix, row by row)"
     );
     assert_eq!(
         refused_with("calib.txt", ""),
-        "DIR/calib.txt: found no line `P0:`, expected 12 numbers (projection matrix, row by row)"
+        "DIR/calib.txt: found no line `P0:` or `P_rect_00:`, expected 12 numbers (projection matrix, row by row)"
     );
 }
 
@@ -188,14 +195,32 @@ fn sensors_that_the_folder_does_not_have() {
 }
 
 #[test]
-fn broken_ground_truth() {
+fn broken_ground_truth_never_stops_a_run() {
+    let opened = |poses: &str| {
+        let folder = Folder::kitti(3);
+        folder.write("poses.txt", poses);
+        let sequence = open_sequence(folder.path(), None).unwrap();
+        let warning = folder.hide(&sequence.warnings[0]);
+        (warning, sequence.ground_truth.map(|truth| truth.poses.len()))
+    };
     assert_eq!(
-        refused_with("poses.txt", "1 0 0 0 0 1 0 0 0 0 1\n"),
-        "DIR/poses.txt:1: found 11 numbers, expected 12 numbers (the 3x4 pose, row by row)"
+        opened("1 0 0 0 0 1 0 0 0 0 1\n"),
+        (
+            "DIR/poses.txt:1: found 11 numbers, expected 12 numbers (the 3x4 pose, row by row); the run goes on without ground \
+             truth"
+                .to_owned(),
+            None
+        )
     );
+    let row = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+    let odd = row.replace("1 0\n", "1 nan\n");
+    let (warning, n_poses) = opened(&format!("{row}{odd}{row}"));
     assert_eq!(
-        refused_with("poses.txt", "1 0 0 nan 0 1 0 0 0 0 1 0\n"),
-        "DIR/poses.txt:1: found `nan`, expected a finite number"
+        (warning.as_str(), n_poses),
+        (
+            "DIR/poses.txt:2: found `nan`, expected a finite number; 1 such line of the ground truth left out",
+            Some(2)
+        )
     );
 }
 

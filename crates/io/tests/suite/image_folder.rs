@@ -34,7 +34,7 @@ fn one_camera_in_natural_order_at_its_frame_rate() {
     let sequence = open(&folder, None).unwrap();
     assert_eq!((sequence.kind, sequence.sensor), (SequenceKind::Images, Sensor::Mono));
     assert_eq!(names(&sequence), ["img1.png", "img9.png", "img10.png"]);
-    let times: Vec<f64> = sequence.frames.iter().map(|frame| frame.timestamp_s).collect();
+    let times: Vec<f64> = sequence.frames.iter().map(|frame| frame.timestamp_s()).collect();
     assert_eq!((times, sequence.frame_rate_hz), (vec![0.0, 0.04, 0.08], Some(25.0)));
     let calibration = sequence.calibration.unwrap();
     assert_eq!((calibration.rig.camera.fx, calibration.distortion.k1), (30.0, -0.1));
@@ -59,7 +59,7 @@ fn left_and_right_folders_are_paired_by_their_numbers_and_rectified() {
         (Sensor::Stereo, vec!["l2.png".into(), "l4.png".into(), "l10.png".into()])
     );
     assert_eq!(sequence.frames[2].right, Some(folder.file("right/r10.png")));
-    let times: Vec<f64> = sequence.frames.iter().map(|frame| frame.timestamp_s).collect();
+    let times: Vec<f64> = sequence.frames.iter().map(|frame| frame.timestamp_s()).collect();
     assert_eq!(times, [0.75, 1.5, 2.0], "a time belongs to a left image");
     assert_eq!(sequence.rectification.len(), 2);
     let baseline_m = sequence.calibration.as_ref().unwrap().rig.baseline_m;
@@ -113,18 +113,35 @@ fn an_image_of_odd_width_cannot_be_halved() {
 }
 
 #[test]
-fn a_given_calibration_wins_over_that_in_the_folder_and_over_the_layout() {
+fn a_given_calibration_wins_over_that_in_the_folder_and_leaves_the_layout_alone() {
     let folder = Folder::kitti(3);
     let file = folder.write("elsewhere/my.yaml", calibration_yaml(1).replace("fps: 25\n", ""));
     folder.write("calibration.yaml", "broken: [");
-    let options = OpenOptions { calibration: Some(file), frame_rate_hz: 8.0, ..OpenOptions::default() };
+    let options = OpenOptions { calibration: Some(file), ..OpenOptions::default() };
     let sequence = open_sequence_with(folder.path(), &options).unwrap();
+    assert_eq!((sequence.kind, sequence.sensor), (SequenceKind::Kitti, Sensor::Stereo));
+    assert_eq!(sequence.frames[2].timestamp_s(), 0.2, "times.txt");
+    let warning = folder.hide(&sequence.warnings[0]);
     assert_eq!(
-        (sequence.kind, sequence.sensor, sequence.frame_rate_hz),
-        (SequenceKind::Images, Sensor::Mono, None)
+        warning,
+        "DIR/elsewhere/my.yaml: describes a single camera; the place of the right one is that of DIR/calib.txt"
     );
-    assert_eq!(sequence.frames[2].timestamp_s, 0.2, "times.txt");
-    assert!(sequence.warnings[0].ends_with("my.yaml: describes a single camera, so the run is monocular"));
+    let raw = sequence.raw_calibration.unwrap();
+    assert_eq!(raw.cameras[1].body_from_cam.translation, Vec3::new(0.54, 0.0, 0.0));
+    assert_eq!((raw.cameras[1].model, sequence.rectification.len()), (raw.cameras[0].model, 2));
+}
+
+#[test]
+fn a_file_in_the_folder_that_cannot_be_read_is_told_and_left_alone() {
+    let folder = Folder::kitti(3);
+    folder.write("calibration.yaml", "broken: [");
+    let sequence = open(&folder, None).unwrap();
+    assert!(
+        sequence.warnings[0].ends_with("; the layout's own calibration is used"),
+        "{:?}",
+        sequence.warnings
+    );
+    assert_eq!(sequence.calibration.unwrap().rig.camera.fx, 700.0);
 }
 
 #[test]
@@ -158,9 +175,9 @@ fn rectified_images_are_used_as_they_are() {
 fn folders_that_cannot_be_used() {
     let folder = Folder::new();
     folder.write("calibration.yaml", calibration_yaml(1));
-    assert_eq!(
-        refused(&folder, None),
-        "DIR: found no image, expected images (PNG or JPEG) in the folder itself, or in left and right"
+    assert!(
+        refused(&folder, None)
+            .starts_with("DIR: no known dataset layout: found 1 file ends in .yaml; expected")
     );
     folder.gray("left/a.png", 40, 20);
     assert_eq!(
@@ -169,7 +186,7 @@ fn folders_that_cannot_be_used() {
     );
     assert_eq!(
         refused(&folder, Some(Sensor::Rgbd)),
-        "DIR: sensor rgbd is not possible here: image folders contain no depth"
+        "DIR: sensor rgbd is not possible here: found no depth images"
     );
     folder.write("times.txt", "0\n1\n");
     assert_eq!(refused(&folder, None), "DIR/times.txt: found 2 times, expected 1 (one per image)");
@@ -190,7 +207,7 @@ fn images_without_calibration_need_a_configuration() {
     folder.gray("b.png", 40, 20);
     let sequence = open(&folder, None).unwrap();
     assert_eq!((sequence.sensor, &sequence.calibration), (Sensor::Mono, &None));
-    assert_eq!(sequence.frames[1].timestamp_s, 0.125);
+    assert_eq!(sequence.frames[1].timestamp_s(), 0.125);
     let warning = folder.hide(&sequence.warnings[0]);
     assert_eq!(warning, "DIR: no calibration file, so the configuration must give the camera");
 }

@@ -29,7 +29,7 @@ fn stereo_pairs_with_times_and_camera() {
     assert!(sequence.warnings.is_empty(), "{:?}", sequence.warnings);
     assert_eq!(sequence.name, folder.path().file_name().unwrap().to_string_lossy());
     let frame = &sequence.frames[2];
-    assert_eq!((sequence.frames.len(), frame.index, frame.timestamp_s), (3, 2, 0.2));
+    assert_eq!((sequence.frames.len(), frame.index, frame.timestamp_s()), (3, 2, 0.2));
     assert_eq!(frame.left, folder.file("image_0/000002.png"));
     assert_eq!(frame.right, Some(folder.file("image_1/000002.png")));
     let calibration = sequence.calibration.clone().unwrap();

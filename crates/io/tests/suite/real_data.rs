@@ -92,5 +92,5 @@ fn euroc() {
     // The pose of the body is known at every frame to within the half period of 200 Hz.
     let truth = sequence.ground_truth.unwrap();
     assert!((truth.poses[0].world_from_cam.translation.x - 4.726707).abs() < 1e-9);
-    assert!(sequence.frames.iter().all(|frame| truth.find_nearest(frame.timestamp_s, 0.003).is_some()));
+    assert!(sequence.frames.iter().all(|frame| truth.find_nearest(frame.timestamp_s(), 0.003).is_some()));
 }

@@ -113,6 +113,28 @@ fn kitti_rows_may_have_frame_numbers_or_times() {
 }
 
 #[test]
+fn rows_of_whole_matrices_and_rows_without_times() {
+    let folder = Folder::new();
+    let file = |text: &str| read_trajectory(&folder.write("t.txt", text), None).unwrap();
+    let numbered = file("7 1 0 0 5 0 1 0 0 0 0 1 0 0 0 0 1\n9 1 0 0 6 0 1 0 0 0 0 1 0 0 0 0 1\n");
+    assert_eq!((numbered.stamps, numbered.trajectory.poses[1].timestamp_s), (Stamps::FrameNumbers, 9.0));
+    let plain = file("1 0 0 5 0 1 0 0 0 0 1 0 0 0 0 1\n");
+    assert_eq!((plain.stamps, plain.trajectory.poses[0].world_from_cam.translation.x), (Stamps::Rows, 5.0));
+    let untimed = file("1 2 3 0 0 0 1\n4 2 3 0 0 0 1\n");
+    assert_eq!(
+        (untimed.format, untimed.stamps, untimed.trajectory.poses[1].timestamp_s),
+        (Tum, Stamps::Rows, 1.0)
+    );
+    // VSLAM-LAB's columns: w last.
+    let lab = file("ts (ns),tx,ty,tz,qx,qy,qz,qw\n1403636579763555584,1,2,3,0,0,0,1\n");
+    assert_eq!(lab.trajectory.poses[0].world_from_cam.rotation, geometry::SO3::identity());
+    assert!(
+        refused(Kitti, "1 0 0 5 0 1 0 0 0 0 1 0 0 0 0 2\n")
+            .contains("found 0 0 0 2 as last row of the matrix")
+    );
+}
+
+#[test]
 fn kitti_matrices_stay_as_they_are_written() {
     let folder = Folder::new();
     let path = folder.write("k.txt", "1.000001 0 0 0 0 1 0 0 0 0 1 0\n");
@@ -213,8 +235,8 @@ fn broken_tum_files() {
         "DIR/file: found no data, expected 8 numbers (timestamp tx ty tz qx qy qz qw)"
     );
     assert_eq!(
-        refused(Tum, "1 0 0 0 0 0 1\n"),
-        "DIR/file:1: found 7 numbers, expected 8 numbers (timestamp tx ty tz qx qy qz qw)"
+        refused(Tum, "1 0 0 0 0 1\n"),
+        "DIR/file:1: found 6 numbers, expected 8 numbers (timestamp tx ty tz qx qy qz qw)"
     );
     assert_eq!(
         refused(Tum, "1 0 0 0 0 0 0 1\n2 0 nan 0 0 0 0 1\n"),

@@ -11,7 +11,7 @@ fn color_with_depth() {
     assert_eq!((sequence.kind, sequence.sensor), (SequenceKind::TumRgbd, Sensor::Rgbd));
     assert_eq!((sequence.frames.len(), sequence.warnings.len(), sequence.calibration), (3, 0, None));
     let frame = &sequence.frames[1];
-    assert_eq!((frame.index, frame.timestamp_s), (1, 1.1));
+    assert_eq!((frame.index, frame.timestamp_s()), (1, 1.1));
     assert_eq!(frame.left, folder.file("rgb/b.png"));
     assert_eq!(frame.depth, Some(folder.file("depth/b.png")));
     assert_eq!(load_frame(frame).unwrap().depth.unwrap().at(3, 4), 5000);
@@ -22,7 +22,7 @@ fn color_without_depth_is_left_out() {
     let folder = Folder::tum();
     folder.write("depth.txt", "1.005 depth/a.png\n1.175 depth/b.png\n1.205 depth/c.png\n");
     let sequence = open_sequence(folder.path(), None).unwrap();
-    let times: Vec<f64> = sequence.frames.iter().map(|frame| frame.timestamp_s).collect();
+    let times: Vec<f64> = sequence.frames.iter().map(|frame| frame.timestamp_s()).collect();
     assert_eq!(times, [1.0, 1.2]);
     assert_eq!(sequence.frames[1].index, 1);
     assert_eq!(

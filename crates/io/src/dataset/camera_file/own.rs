@@ -1,114 +1,75 @@
 //! DSSLAM's own calibration file: cameras with model, resolution, intrinsics and lens, and the way from left to right.
 
-use geometry::{CameraModel, SE3};
-use serde::Deserialize;
-use serde_saphyr::Spanned;
+use geometry::SE3;
 
-use super::super::fields::{Fields, document};
-use super::super::{DatasetError, RawCamera};
-use super::CameraFile;
-use crate::file::{TextFile, counted, shown};
+use super::{CameraFile, DatasetError, FileCamera, lens, part};
+use crate::document::Field;
+use crate::file::counted;
 
-const MODELS: &str = "pinhole-radtan, kannala-brandt or none";
 const CAMERAS: &str = "a list of one camera, or of the left and the right one";
 const MOTION: &str = "3 rows of 4 numbers (rotation and translation in meters: x_right = R x_left + t)";
+const KEYS: [&str; 5] = ["fps", "cameras", "right_from_left", "depth_units_per_metre", "baseline_m"];
+const CAMERA_KEYS: [&str; 4] = ["model", "resolution", "intrinsics", "distortion"];
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Document {
-    fps: Option<Spanned<f64>>,
-    cameras: Option<Spanned<Vec<Camera>>>,
-    right_from_left: Option<Spanned<Vec<Vec<f64>>>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Camera {
-    model: Option<Spanned<String>>,
-    resolution: Option<Spanned<Vec<u64>>>,
-    intrinsics: Option<Spanned<Vec<f64>>>,
-    distortion: Option<Spanned<Vec<f64>>>,
+pub(super) fn is(root: &Field<'_>) -> bool {
+    root.at("cameras").is_there() || KEYS.iter().any(|key| root.at(key).is_there() && *key != "baseline_m")
 }
 
 /// Reads a calibration in our own format (described in docs/inputs.md).
-///
-/// # Errors
-/// [`DatasetError`] naming the field, what was found and what was expected.
-pub(super) fn read(file: &TextFile) -> Result<CameraFile, DatasetError> {
-    let document: Document = document(file)?;
-    let fields = Fields::of(&file.path);
-    let list = fields.need("cameras", document.cameras, CAMERAS)?;
-    if !(1..=2).contains(&list.value.len()) {
-        return Err(fields.wrong("cameras", &list, counted(list.value.len(), "camera"), CAMERAS));
+pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
+    check_keys(root, &KEYS)?;
+    let list = root.at("cameras");
+    list.need(CAMERAS)?;
+    let items = list.items();
+    if !list.is_list() || !(1..=2).contains(&items.len()) {
+        return Err(list.error(counted(items.len(), "camera"), CAMERAS));
     }
-    let (n_cameras, place) = (list.value.len(), list.referenced);
-    let mut cameras = Vec::new();
-    for (i, camera) in list.value.into_iter().enumerate() {
-        cameras.push(read_camera(&fields, i, camera)?);
-    }
-    match (cameras.get_mut(1), &document.right_from_left) {
-        (Some(right), motion) => {
-            let motion = fields.need("right_from_left", motion.as_ref(), MOTION)?;
-            right.body_from_cam = read_motion(&fields, motion)?.inverse();
+    let mut cameras = items.iter().map(read_camera).collect::<Result<Vec<_>, _>>()?;
+    let motion = root.at("right_from_left");
+    match cameras.get_mut(1) {
+        Some(right) => {
+            motion.need(MOTION)?;
+            right.body_from_cam = read_motion(&motion)?.inverse();
         }
-        (None, Some(motion)) => {
-            let found =
-                format!("{} for a motion between two (line {})", counted(n_cameras, "camera"), place.line());
-            return Err(fields.wrong("right_from_left", motion, found, "it only with two cameras"));
+        None if motion.is_there() => {
+            return Err(motion.error("1 camera for a motion between two", "it only with two cameras"));
         }
-        (None, None) => {}
+        None => {}
     }
+    let baseline = root.at("baseline_m");
     Ok(CameraFile {
-        path: file.path.clone(),
-        cameras,
-        frame_rate_hz: read_rate(&fields, document.fps)?,
+        frame_rate_hz: part::rate(&root.at("fps"))?,
+        depth_units_per_metre: part::depth_units(&root.at("depth_units_per_metre"))?,
+        baseline_m: baseline.there().map(|field| field.positive("meters, above 0")).transpose()?,
         right_fields: ("cameras[1].resolution", "right_from_left"),
+        ..CameraFile::new(root, "our YAML", cameras)
     })
 }
 
-fn read_camera(fields: &Fields, i: usize, camera: Camera) -> Result<RawCamera, DatasetError> {
-    let name = |field: &str| format!("cameras[{i}].{field}");
-    let pinhole =
-        fields.pinhole(&name("intrinsics"), camera.intrinsics, "4 numbers (fx, fy, cx, cy in pixels)")?;
-    let model = fields.need(&name("model"), camera.model, MODELS)?;
-    let (field, coefficients) = (name("distortion"), camera.distortion);
-    let model = match (model.value.as_str(), coefficients) {
-        ("pinhole-radtan", coefficients) => fields.radial_tangential(&field, pinhole, coefficients)?,
-        ("kannala-brandt", coefficients) => fields.fisheye(&field, pinhole, coefficients)?,
-        ("none", None) => CameraModel::Pinhole { camera: pinhole, distortion: Default::default() },
-        ("none", Some(given)) => {
-            let found = counted(given.value.len(), "number");
-            return Err(fields.wrong(&field, &given, found, "nothing, since the model is none"));
-        }
-        (other, _) => return Err(fields.wrong(&name("model"), &model, shown(other), MODELS)),
-    };
-    let size = fields.size(&name("resolution"), camera.resolution)?;
-    Ok(RawCamera { model, size, body_from_cam: SE3::identity() })
+fn read_camera(camera: &Field<'_>) -> Result<FileCamera, DatasetError> {
+    check_keys(camera, &CAMERA_KEYS)?;
+    let pinhole = part::pinhole(&camera.at("intrinsics"), "4 numbers (fx, fy, cx, cy in pixels)")?;
+    let model = lens::model(pinhole, &camera.at("model"), &camera.at("distortion"))?;
+    let size = camera.at("resolution").there().map(|field| part::size(&field)).transpose()?;
+    Ok(FileCamera { model, size, body_from_cam: SE3::identity() })
 }
 
 /// Three rows of four numbers, or four with the last one 0 0 0 1.
-fn read_motion(fields: &Fields, motion: &Spanned<Vec<Vec<f64>>>) -> Result<SE3, DatasetError> {
-    const FIELD: &str = "right_from_left";
-    let rows = &motion.value;
+fn read_motion(motion: &Field<'_>) -> Result<SE3, DatasetError> {
+    let rows = motion.items();
     if !(3..=4).contains(&rows.len()) {
-        return Err(fields.wrong(FIELD, motion, counted(rows.len(), "row"), MOTION));
+        return Err(motion.error(counted(rows.len(), "row"), MOTION));
     }
-    if let Some(row) = rows.iter().find(|row| row.len() != 4) {
-        let found = format!("a row of {}", counted(row.len(), "number"));
-        return Err(fields.wrong(FIELD, motion, found, MOTION));
+    if let Some(row) = rows.iter().find(|row| row.items().len() != 4) {
+        return Err(motion.error(format!("a row of {}", counted(row.items().len(), "number")), MOTION));
     }
-    let mut data = rows.concat();
-    if rows.len() == 3 {
-        data.extend([0.0, 0.0, 0.0, 1.0]);
-    }
-    fields.rigid(FIELD, motion, &data, MOTION)
+    part::rigid(motion, MOTION)
 }
 
-fn read_rate(fields: &Fields, fps: Option<Spanned<f64>>) -> Result<Option<f64>, DatasetError> {
-    match fps {
-        Some(fps) if !(fps.value > 0.0 && fps.value.is_finite()) => {
-            Err(fields.wrong("fps", &fps, fps.value.to_string(), "images per second, above 0"))
-        }
-        fps => Ok(fps.map(|fps| fps.value)),
+/// Our own format has no field that is not read.
+fn check_keys(section: &Field<'_>, known: &[&str]) -> Result<(), DatasetError> {
+    match section.keys().find(|key| !known.contains(key)) {
+        Some(key) => Err(section.at(key).error("an unknown field", format!("one of {}", known.join(", ")))),
+        None => Ok(()),
     }
 }

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::super::DatasetError;
 use super::super::associate::associate;
+use super::super::image_folder::names;
+use super::super::stamps::{Order, of_names};
 use crate::file::{FileError, TextFile, counted, shown};
 
 const EXPECTED: &str = "nanoseconds and a file name, separated by a comma";
@@ -14,45 +16,69 @@ const PAIR_TOLERANCE_S: f64 = 1e-3;
 
 /// One row of a list.
 pub(super) struct Image {
-    nanoseconds: u64,
+    pub(super) nanoseconds: i64,
     line: usize,
     pub(super) path: PathBuf,
-}
-
-impl Image {
-    pub(super) fn timestamp_s(&self) -> f64 {
-        self.nanoseconds as f64 / 1e9
-    }
 }
 
 /// The images of one camera, at least one, by increasing time.
 pub(super) struct ImageList {
     file: PathBuf,
     pub(super) images: Vec<Image>,
+    /// Whether there is no list, but names that are times.
+    pub(super) is_of_names: bool,
 }
 
 impl ImageList {
-    /// Reads `data.csv` of a camera's folder.
-    pub(super) fn read(camera: &Path) -> Result<Self, FileError> {
+    /// Reads `data.csv` of a camera's folder; without it the names of the images in `data` are their times.
+    pub(super) fn read(camera: &Path, warnings: &mut Vec<String>) -> Result<Self, FileError> {
         let path = camera.join("data.csv");
+        if !path.exists()
+            && let Some(images) = Self::of_names(camera)?
+        {
+            warnings.push(format!(
+                "{}: no such file, so the names of the images are taken as their times in nanoseconds",
+                path.display()
+            ));
+            return Ok(images);
+        }
         let file = TextFile::read(&path, "the image list of a camera (EuRoC)")?;
         let mut images: Vec<Image> = Vec::new();
-        for line in file.data_lines() {
-            let fields: Vec<&str> = line.text.split(',').map(str::trim).collect();
+        let mut order = Order::default();
+        for (i, line) in file.data_lines().enumerate() {
+            let is_separator = |c: char| if line.text.contains(',') { c == ',' } else { c.is_whitespace() };
+            let fields: Vec<&str> = line.text.split(is_separator).map(str::trim).collect();
             let [stamp, name] = fields[..] else {
                 return Err(line.error(counted(fields.len(), "field"), EXPECTED));
             };
-            let nanoseconds = stamp.parse().map_err(|_| line.error(shown(stamp), "whole nanoseconds"))?;
-            if name.is_empty() {
+            let nanoseconds = match stamp.parse() {
+                Ok(nanoseconds) => nanoseconds,
+                // A header without `#`.
+                Err(_) if i == 0 && stamp.contains("time") => continue,
+                Err(_) => return Err(line.error(shown(stamp), "whole nanoseconds")),
+            };
+            // Some lists name the folder as well.
+            let Some(name) = Path::new(name).file_name() else {
                 return Err(line.error("no file name", EXPECTED));
-            }
-            if let Some(before) = images.last().map(|image| image.nanoseconds).filter(|&b| nanoseconds <= b) {
-                let found = format!("time {nanoseconds} after {before} of the previous entry");
-                return Err(line.error(found, "strictly increasing times"));
-            }
+            };
+            order.next(&line, nanoseconds)?;
             images.push(Image { nanoseconds, line: line.number, path: camera.join("data").join(name) });
         }
-        if images.is_empty() { Err(file.empty(EXPECTED)) } else { Ok(Self { file: path, images }) }
+        if images.is_empty() {
+            return Err(file.empty(EXPECTED));
+        }
+        Ok(Self { file: path, images, is_of_names: false })
+    }
+
+    /// The images whose names are times, if all names are.
+    fn of_names(camera: &Path) -> Result<Option<Self>, FileError> {
+        let folder = camera.join("data");
+        let paths = names::list(&folder)?;
+        let stems: Vec<String> = paths.iter().map(|path| names::stem(path)).collect();
+        let Some(times) = of_names(stems.iter().map(String::as_str)) else { return Ok(None) };
+        let row = |(line, (nanoseconds, path))| Image { nanoseconds, line, path };
+        let images = (1..).zip(times.into_iter().zip(paths)).map(row).collect();
+        Ok(Some(Self { file: folder, images, is_of_names: true }))
     }
 
     /// Tells of images that the list names but the folder lacks; their frames stay and count as dropped when they are loaded.
@@ -83,11 +109,8 @@ impl ImageList {
     }
 
     /// Times in seconds after the epoch `start`, which keeps their digits.
-    fn seconds_after(&self, start: u64) -> Vec<f64> {
-        self.images
-            .iter()
-            .map(|image| (i128::from(image.nanoseconds) - i128::from(start)) as f64 * 1e-9)
-            .collect()
+    fn seconds_after(&self, start: i64) -> Vec<f64> {
+        self.images.iter().map(|image| image.nanoseconds.saturating_sub(start) as f64 * 1e-9).collect()
     }
 
     /// The file with its first and last time, for messages.

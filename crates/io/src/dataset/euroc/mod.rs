@@ -5,57 +5,63 @@ mod images;
 
 use std::path::{Path, PathBuf};
 
-use super::truth;
-use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
+use super::given::Given;
+use super::layout::SequenceKind;
+use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, Times, folder_name, truth};
 use crate::trajectory::TrajectoryFormat;
 use images::{Image, ImageList};
 
 /// The folder with the cameras' folders: `dir/mav0` or `dir` itself; `None` when this is not a EuRoC sequence.
 pub(super) fn find_root(dir: &Path) -> Option<PathBuf> {
-    [dir.join("mav0"), dir.to_path_buf()].into_iter().find(|root| root.join("cam0").is_dir())
+    let has_camera = |root: &PathBuf| {
+        let camera = root.join("cam0");
+        camera.join("data.csv").is_file() || camera.join("data").is_dir()
+    };
+    [dir.join("mav0"), dir.to_path_buf()].into_iter().find(has_camera)
 }
 
 /// Opens the EuRoC sequence `dir` whose cameras are in `root`.
-pub(super) fn open(dir: &Path, root: &Path, options: &OpenOptions) -> Result<Sequence, DatasetError> {
+pub(super) fn open(
+    dir: &Path,
+    root: &Path,
+    options: &OpenOptions,
+    given: &Given,
+) -> Result<Sequence, DatasetError> {
     let mut warnings = Vec::new();
     let sensor = choose_sensor(dir, root, options.sensor, &mut warnings)?;
-    let left = ImageList::read(&root.join("cam0"))?;
+    let left = ImageList::read(&root.join("cam0"), &mut warnings)?;
+    let of_images = left.images.iter().find_map(|image| crate::images::image_size(&image.path).ok());
+    let (sensor, cameras) =
+        calibration::read(dir, root, (options.sensor, sensor), given, of_images, &mut warnings)?;
     let frames: Vec<FrameSource> = match sensor {
         Sensor::Stereo => {
-            let right = ImageList::read(&root.join("cam1"))?;
+            let right = ImageList::read(&root.join("cam1"), &mut warnings)?;
             let pairs = images::pair(&left, &right, &mut warnings)?;
             right.warn_of_missing(&mut warnings)?;
-            pairs.iter().zip(0..).map(|((left, right), index)| frame(index, left, Some(right))).collect()
+            pairs.iter().enumerate().map(|(i, (left, right))| frame(i, left, Some(right))).collect()
         }
-        _ => left.images.iter().zip(0..).map(|(left, index)| frame(index, left, None)).collect(),
+        _ => left.images.iter().enumerate().map(|(i, left)| frame(i, left, None)).collect(),
     };
     left.warn_of_missing(&mut warnings)?;
-    let cameras = calibration::read(root, sensor, &mut warnings)?;
-    let usual = [root.join("state_groundtruth_estimate0/data.csv")];
+    let usual = [root.join("state_groundtruth_estimate0/data.csv"), root.join("mocap0/data.csv")];
     let ground_truth = truth::read(options, &usual, TrajectoryFormat::Euroc, &frames, &mut warnings)?;
     Ok(Sequence {
-        name: sequence_name(dir),
-        kind: SequenceKind::Euroc,
-        sensor,
         frames,
         calibration: cameras.calibration,
         raw_calibration: cameras.raw,
         rectification: cameras.views,
         ground_truth,
         body_from_left: cameras.body_from_left,
-        frame_rate_hz: None,
+        times: if left.is_of_names { Times::Names } else { Times::Given },
         warnings,
+        ..Sequence::new(sequence_name(dir), SequenceKind::Euroc, sensor)
     })
 }
 
-fn frame(index: u32, left: &Image, right: Option<&Image>) -> FrameSource {
+fn frame(index: usize, left: &Image, right: Option<&Image>) -> FrameSource {
     FrameSource {
-        index,
-        timestamp_s: left.timestamp_s(),
-        left: left.path.clone(),
         right: right.map(|image| image.path.clone()),
-        depth: None,
-        packing: Packing::Whole,
+        ..FrameSource::of(index, left.nanoseconds, left.path.clone())
     }
 }
 

@@ -1,123 +1,161 @@
-//! Folders of images with a calibration file: one camera, `left` and `right`, or two images side by side in each file.
+//! Folders of images: of one camera, left and right, color and depth, or two images side by side in each file. [`forms`] has the names.
 
-mod names;
+mod forms;
+pub(super) mod names;
 
 use std::path::{Path, PathBuf};
 
-use super::camera_file::{self, CameraFile};
+use geometry::{CameraModel, Distortion, Mat3, SE3, SO3, StereoRig, Vec3};
+
+use super::associate::associate;
+use super::camera_file::{CameraFile, read_calibration};
 use super::cameras::Cameras;
-use super::kitti::read_times;
-use super::truth;
-use super::{DatasetError, FrameSource, OpenOptions, Packing, Sensor, Sequence, SequenceKind, folder_name};
-use crate::file::{FileError, counted};
-use crate::images::{ImageSize, image_size};
-use crate::trajectory::TrajectoryFormat;
+use super::given::Given;
+use super::layout::SequenceKind;
+use super::stamps::{self, nanoseconds, seconds};
+use super::{
+    Calibration, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera, Sensor,
+    Sequence, Times, folder_name, truth,
+};
+use crate::file::counted;
+use crate::images::{ImageSize, half_size, image_size};
 
-/// Names of the sub-folders for the left and the right camera.
-const PAIRS: [[&str; 2]; 3] = [["left", "right"], ["image_0", "image_1"], ["cam0", "cam1"]];
-
-/// The images of a folder.
-struct Images {
-    /// Where the left ones are.
-    folder: PathBuf,
-    left: Vec<PathBuf>,
-    /// The sub-folder of the right ones, with these.
-    right: Option<(PathBuf, Vec<PathBuf>)>,
-}
-
-/// Whether a folder can be opened as one of images.
-pub(super) fn has_images(dir: &Path) -> bool {
-    Images::find(dir).is_ok_and(|images| !images.left.is_empty())
-}
+use forms::Known;
+pub(super) use forms::{Tree, find};
 
 /// Opens a folder of images.
 pub(super) fn open(
     dir: &Path,
-    calibration: Option<&Path>,
+    tree: &Tree,
     options: &OpenOptions,
+    given: &Given,
 ) -> Result<Sequence, DatasetError> {
     let mut warnings = Vec::new();
-    let images = Images::find(dir)?;
-    if images.left.is_empty() {
-        let expected = "images (PNG or JPEG) in the folder itself, or in left and right".to_string();
-        return Err(DatasetError::NoImages { path: dir.to_path_buf(), expected });
-    }
-    let file = calibration.map(camera_file::read).transpose()?;
-    if file.is_none() {
+    let own = match &given.file {
+        Some(_) => None,
+        None => tree.form.calibrations.iter().map(|name| dir.join(name)).find(|path| path.is_file()),
+    };
+    let own = own.map(|path| read_calibration(&path)).transpose()?;
+    let file = given.file.as_ref().or(own.as_ref());
+    let size = usual_size(&tree.left, file.and_then(CameraFile::size));
+    let known = tree.form.known.as_ref().filter(|known| file.is_none() && size == Some(known.size));
+    if file.is_none() && known.is_none() {
         warnings.push(format!(
             "{}: no calibration file, so the configuration must give the camera",
             dir.display()
         ));
     }
-    let pictures = Pictures {
-        place: dir,
-        size: images.left.iter().find_map(|path| image_size(path).ok()),
-        in_two_folders: images.right.is_some(),
+    let pictures =
+        Pictures { place: dir, size, in_two_folders: tree.right.is_some(), has_depth: tree.depth.is_some() };
+    let (sensor, packing) = choose(&pictures, file, options.sensor, &mut warnings)?;
+    let rate = file.and_then(|file| file.frame_rate_hz).or(known.and_then(|known| known.frame_rate_hz));
+    let (times_ns, times) = times(dir, tree, rate, options.frame_rate_hz, &mut warnings)?;
+    let frames: Vec<FrameSource> = match (&tree.right, &tree.depth, sensor) {
+        (Some(right), _, Sensor::Stereo) => {
+            pair_frames(tree, right, sensor, &times_ns, options, &mut warnings)?
+        }
+        (_, Some(depth), Sensor::Rgbd) => {
+            pair_frames(tree, depth, sensor, &times_ns, options, &mut warnings)?
+        }
+        _ => {
+            let all = tree.left.iter().zip(&times_ns).enumerate();
+            all.map(|(i, (path, &ns))| FrameSource { packing, ..FrameSource::of(i, ns, path.clone()) })
+                .collect()
+        }
     };
-    let (sensor, packing) = choose(&pictures, file.as_ref(), options.sensor, &mut warnings)?;
-    let rate = file.as_ref().and_then(|file| file.frame_rate_hz);
-    let times_s = times(dir, images.left.len(), rate.unwrap_or(options.frame_rate_hz))?;
-    let frames: Vec<FrameSource> = match (&images.right, sensor) {
-        (Some(right), Sensor::Stereo) => pair_frames(&images, right, &times_s, &mut warnings)?,
-        _ => images
-            .left
-            .iter()
-            .enumerate()
-            .map(|(i, path)| frame(i, times_s[i], path, None, packing))
-            .collect(),
+    let of_one = match packing {
+        Packing::Whole => size,
+        Packing::LeftHalf | Packing::BothHalves => size.and_then(|size| half_size(dir, size).ok()),
     };
-    let cameras = file.as_ref().map_or(Ok(Cameras::default()), |file| file.cameras(sensor))?;
-    let usual = [dir.join("groundtruth.txt")];
-    let ground_truth = truth::read(options, &usual, TrajectoryFormat::Tum, &frames, &mut warnings)?;
+    let cameras = match (file, known) {
+        (Some(file), _) => file.cameras(sensor, of_one)?,
+        (None, Some(known)) => documented(known, tree.kind, sensor),
+        (None, None) => Cameras::default(),
+    };
+    let ground_truth = match tree.kind {
+        SequenceKind::SevenScenes if options.ground_truth.is_none() => {
+            truth::of_files(&frames, &mut warnings)
+        }
+        _ => {
+            let usual: Vec<_> =
+                tree.form.truth.iter().map(|(name, format)| (dir.join(name), *format)).collect();
+            let format =
+                usual.first().map_or(crate::trajectory::TrajectoryFormat::Tum, |(_, format)| *format);
+            let paths: Vec<PathBuf> = usual.into_iter().map(|(path, _)| path).collect();
+            truth::read(options, &paths, format, &frames, &mut warnings)?
+        }
+    };
     Ok(Sequence {
-        name: folder_name(dir),
-        kind: SequenceKind::Images,
-        sensor,
         frames,
         calibration: cameras.calibration,
         raw_calibration: cameras.raw,
         rectification: cameras.views,
         ground_truth,
-        body_from_left: cameras.body_from_left,
+        body_from_left: if tree.kind == SequenceKind::TartanAir {
+            ned_from_cam()
+        } else {
+            cameras.body_from_left
+        },
         frame_rate_hz: rate,
+        depth_units_per_metre: file
+            .and_then(|file| file.depth_units_per_metre)
+            .or(known.and_then(|known| known.depth_units_per_metre)),
+        times,
         warnings,
+        ..Sequence::new(folder_name(dir), tree.kind, sensor)
     })
 }
 
-impl Images {
-    /// Sub-folders for left and right come before images in the folder itself.
-    fn find(dir: &Path) -> Result<Self, FileError> {
-        for [left, right] in PAIRS.map(|pair| pair.map(|name| dir.join(name))) {
-            let images = names::list(&left)?;
-            if !images.is_empty() {
-                let right_images = names::list(&right)?;
-                let right = Some((right, right_images)).filter(|(_, images)| !images.is_empty());
-                return Ok(Self { folder: left, left: images, right });
-            }
-        }
-        Ok(Self { folder: dir.to_path_buf(), left: names::list(dir)?, right: None })
+/// The camera that a dataset's documentation gives.
+fn documented(known: &Known, kind: SequenceKind, sensor: Sensor) -> Cameras {
+    let source = format!("the documentation of {}", kind.name());
+    let baseline_m = if sensor == Sensor::Mono { 0.0 } else { known.baseline_m };
+    let model = CameraModel::Pinhole { camera: known.camera, distortion: Distortion::default() };
+    let camera = RawCamera { model, size: known.size, body_from_cam: SE3::identity() };
+    Cameras {
+        calibration: Some(Calibration {
+            rig: StereoRig { camera: known.camera, baseline_m },
+            distortion: Distortion::default(),
+            source: source.clone(),
+        }),
+        raw: Some(RawCalibration { cameras: vec![camera], source }),
+        ..Cameras::default()
     }
 }
 
-fn frame(index: usize, timestamp_s: f64, left: &Path, right: Option<&Path>, packing: Packing) -> FrameSource {
-    FrameSource {
-        index: u32::try_from(index).unwrap_or(u32::MAX),
-        timestamp_s,
-        left: left.to_path_buf(),
-        right: right.map(Path::to_path_buf),
-        depth: None,
-        packing,
+/// TartanAir's poses are of a body with x forward, y right, z down, in which the camera (x right, y down, z forward) sits.
+fn ned_from_cam() -> SE3 {
+    let turn = Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+    SE3::new(SO3::from_matrix(&turn), Vec3::zeros())
+}
+
+/// The size that images have: that of the calibration where the first, middle or last one has it (also twice as wide), else that
+/// of most of them.
+fn usual_size(images: &[PathBuf], calibrated: Option<ImageSize>) -> Option<ImageSize> {
+    /// Headers that are read.
+    const LOOKED_AT: usize = 9;
+    let step = images.len().div_ceil(LOOKED_AT).max(1);
+    let sizes: Vec<ImageSize> =
+        images.iter().step_by(step).filter_map(|path| image_size(path).ok()).collect();
+    let fits = |size: &&ImageSize| calibrated.is_some_and(|calibrated| **size == calibrated);
+    if let Some(size) = sizes.iter().find(fits) {
+        return Some(*size);
     }
+    let count = |size: &ImageSize| sizes.iter().filter(|other| *other == size).count();
+    // The earliest of equally frequent ones.
+    sizes.iter().rev().max_by_key(|size| count(size)).copied()
 }
 
 /// What there is to choose from.
 pub(super) struct Pictures<'a> {
     /// A folder or a video.
     pub(super) place: &'a Path,
-    /// Size of the first one that can be read.
+    /// Size of the images.
     pub(super) size: Option<ImageSize>,
-    /// Whether there are right images in a folder of their own.
+    /// Whether there are right images as files of their own.
     pub(super) in_two_folders: bool,
+    /// Whether there are depth images.
+    pub(super) has_depth: bool,
 }
 
 /// What is used of the images, and what each of them holds.
@@ -133,10 +171,14 @@ pub(super) fn choose(
     let place = pictures.place;
     let unavailable =
         |sensor, reason| Err(DatasetError::SensorUnavailable { path: place.to_path_buf(), sensor, reason });
-    if wanted == Some(Sensor::Rgbd) {
-        return unavailable(Sensor::Rgbd, "image folders contain no depth".to_string());
+    match (wanted, pictures.has_depth) {
+        (Some(Sensor::Rgbd) | None, true) => return Ok((Sensor::Rgbd, Packing::Whole)),
+        (Some(Sensor::Rgbd), false) => {
+            return unavailable(Sensor::Rgbd, "found no depth images".to_string());
+        }
+        _ => {}
     }
-    let one_camera = file.filter(|file| file.cameras.len() == 1);
+    let one_camera = file.filter(|file| !file.has_pair());
     if let (Some(Sensor::Stereo), Some(file)) = (wanted, one_camera) {
         return unavailable(Sensor::Stereo, format!("{} describes a single camera", file.source()));
     }
@@ -153,7 +195,7 @@ pub(super) fn choose(
         (None, Some(_)) if is_double => Ok((Sensor::Stereo, Packing::BothHalves)),
         // Without calibration the images are halved as wished; with one their size will be compared with it.
         (Some(Sensor::Stereo), _) => Ok((Sensor::Stereo, Packing::BothHalves)),
-        (None, Some(file)) if file.cameras.len() == 2 => {
+        (None, Some(file)) if file.has_pair() => {
             warnings.push(format!(
                 "{}: found images of one camera although {} describes two, so the run is monocular",
                 place.display(),
@@ -167,44 +209,63 @@ pub(super) fn choose(
 
 /// Whether images are twice as wide as the left one of two cameras.
 fn holds_two(size: Option<ImageSize>, file: &CameraFile) -> bool {
-    let [left, _] = &file.cameras[..] else { return false };
-    size.is_some_and(|size| size.width == 2 * left.size.width && size.height == left.size.height)
+    let (Some(size), Some(left)) = (size, file.size().filter(|_| file.has_pair())) else { return false };
+    size.width == 2 * left.width && size.height == left.height
 }
 
-/// `times.txt` if it is there, a line per left image; otherwise images come at the frame rate.
-fn times(dir: &Path, n_images: usize, frame_rate_hz: f64) -> Result<Vec<f64>, DatasetError> {
-    let path = dir.join("times.txt");
-    if !path.exists() {
-        return Ok((0..n_images).map(|i| i as f64 / frame_rate_hz).collect());
+/// The times of the left images: those of `times.txt` or `timestamps.txt`, a line per image; else those in the names; else images come
+/// at an even rate.
+fn times(
+    dir: &Path,
+    tree: &Tree,
+    known_rate_hz: Option<f64>,
+    usual_rate_hz: f64,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<i64>, Times), DatasetError> {
+    let n_images = tree.left.len();
+    let lists = [dir.join("times.txt"), dir.join("timestamps.txt"), tree.folder.join("timestamps.txt")];
+    if let Some(path) = lists.into_iter().find(|path| path.exists()) {
+        let times_ns = stamps::read_list(&path)?;
+        if times_ns.len() == n_images {
+            return Ok((times_ns, Times::Given));
+        }
+        return Err(DatasetError::TimesOfImages { path, found: counted(times_ns.len(), "time"), n_images });
     }
-    let times_s = read_times(&path)?;
-    if times_s.len() == n_images {
-        return Ok(times_s);
+    let stems: Vec<String> = tree.left.iter().map(|path| names::stem(path)).collect();
+    if let Some(times_ns) = stamps::of_names(stems.iter().map(String::as_str)) {
+        warnings.push(format!("{}: the names of the images are taken as their times", tree.folder.display()));
+        return Ok((times_ns, Times::Names));
     }
-    Err(DatasetError::TimesOfImages { path, found: counted(times_s.len(), "time"), n_images })
+    let rate_hz = known_rate_hz.unwrap_or(usual_rate_hz);
+    let times_ns = (0..n_images).map(|i| nanoseconds(i as f64 / rate_hz)).collect();
+    Ok((times_ns, if known_rate_hz.is_some() { Times::Given } else { Times::Invented }))
 }
 
-/// Frames out of the left images that have a right one.
+/// Frames out of the left images that have a right one, or out of those of color that have one of depth.
 fn pair_frames(
-    images: &Images,
-    (right_folder, right): &(PathBuf, Vec<PathBuf>),
-    times_s: &[f64],
+    tree: &Tree,
+    (folder, others): &(PathBuf, Vec<PathBuf>),
+    sensor: Sensor,
+    times_ns: &[i64],
+    options: &OpenOptions,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<FrameSource>, DatasetError> {
-    let pairs = names::pair(&images.left, right);
+    let by_time =
+        (sensor == Sensor::Rgbd).then(|| pair_by_time(tree, others, options.association_tolerance_s));
+    let pairs = by_time.flatten().unwrap_or_else(|| names::pair(&tree.left, others));
     if pairs.is_empty() {
         return Err(DatasetError::SensorUnavailable {
-            path: images.folder.clone(),
-            sensor: Sensor::Stereo,
+            path: tree.folder.clone(),
+            sensor,
             reason: format!(
                 "no image number matches one in {} (first: {} and {})",
-                right_folder.display(),
-                images.left[0].display(),
-                right[0].display()
+                folder.display(),
+                tree.left[0].display(),
+                others[0].display()
             ),
         });
     }
-    for (folder, n_images) in [(&images.folder, images.left.len()), (right_folder, right.len())] {
+    for (folder, n_images) in [(&tree.folder, tree.left.len()), (folder, others.len())] {
         let n_single = n_images - pairs.len();
         if n_single > 0 {
             warnings.push(format!(
@@ -214,6 +275,25 @@ fn pair_frames(
             ));
         }
     }
-    let made = pairs.iter().enumerate();
-    Ok(made.map(|(i, (at, left, right))| frame(i, times_s[*at], left, Some(right), Packing::Whole)).collect())
+    let frame = |(i, (at, left, other)): (usize, (usize, PathBuf, PathBuf))| {
+        let frame = FrameSource::of(i, times_ns[at], left);
+        match sensor {
+            Sensor::Rgbd => FrameSource { depth: Some(other), ..frame },
+            _ => FrameSource { right: Some(other), ..frame },
+        }
+    };
+    Ok(pairs.into_iter().enumerate().map(frame).collect())
+}
+
+/// Pairs by the times in the names of both, which need not be equal.
+fn pair_by_time(tree: &Tree, others: &[PathBuf], tolerance_s: f64) -> Option<Vec<(usize, PathBuf, PathBuf)>> {
+    let times = |paths: &[PathBuf]| {
+        let stems: Vec<String> = paths.iter().map(|path| names::stem(path)).collect();
+        let times = stamps::of_names(stems.iter().map(String::as_str))?;
+        Some(times.into_iter().map(seconds).collect::<Vec<f64>>())
+    };
+    let partners = associate(&times(&tree.left)?, &times(others)?, tolerance_s);
+    let pair =
+        |(i, partner): (usize, Option<usize>)| Some((i, tree.left[i].clone(), others[partner?].clone()));
+    Some(partners.into_iter().enumerate().filter_map(pair).collect())
 }

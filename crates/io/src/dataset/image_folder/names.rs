@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::file::FileError;
+use crate::images::IMAGE_ENDINGS;
 
 /// A piece of a name: digits without their leading zeros, or what stands between digits.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,11 +14,11 @@ enum Piece<'a> {
     Text(&'a str),
 }
 
-/// The images (PNG, JPEG) of a folder in natural order; none where there is no such folder.
+/// The images of a folder in natural order; none where there is no such folder.
 ///
 /// # Errors
 /// [`FileError::Unreadable`].
-pub(super) fn list(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+pub(in super::super) fn list(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     if !folder.is_dir() {
         return Ok(Vec::new());
     }
@@ -38,7 +39,7 @@ pub(super) fn list(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
 
 /// Left and right images that belong together, in the order of the left ones, with the position of the left one. They do when
 /// the numbers in their names are equal (`left7`, `right7`), or the names where numbers do not tell them apart.
-pub(super) fn pair(left: &[PathBuf], right: &[PathBuf]) -> Vec<(usize, PathBuf, PathBuf)> {
+pub(in super::super) fn pair(left: &[PathBuf], right: &[PathBuf]) -> Vec<(usize, PathBuf, PathBuf)> {
     let by = |key: fn(&str) -> String| Some((keys(left, key)?, keys(right, key)?));
     let Some((left_keys, right_keys)) = by(numbers_of).or_else(|| by(str::to_string)) else {
         return Vec::new();
@@ -106,14 +107,14 @@ fn pieces(name: &str) -> Vec<Piece<'_>> {
 fn is_image(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let known = extension.as_ref().and_then(|extension| extension.to_str());
-    known.is_some_and(|extension| matches!(extension, "png" | "jpg" | "jpeg")) && path.is_file()
+    known.is_some_and(|extension| IMAGE_ENDINGS.contains(&extension)) && path.is_file()
 }
 
 fn name(path: &Path) -> String {
     path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-fn stem(path: &Path) -> String {
+pub(in super::super) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 

@@ -1,0 +1,216 @@
+//! Times of frames in whole nanoseconds: read from numbers, dates and file names, and checked.
+
+use std::path::Path;
+
+use super::FrameSource;
+use crate::file::{FileError, Line, TextFile, counted, shown};
+
+/// Nanoseconds in a second.
+const SECOND: i64 = 1_000_000_000;
+
+/// Seconds of a time: the nearest double.
+pub(crate) fn seconds(ns: i64) -> f64 {
+    /// Up to here a double holds every whole number, and one division rounds once.
+    const EXACT: u64 = 1 << 53;
+    if ns.unsigned_abs() <= EXACT {
+        return ns as f64 / SECOND as f64;
+    }
+    ns.div_euclid(SECOND) as f64 + ns.rem_euclid(SECOND) as f64 / SECOND as f64
+}
+
+/// The nearest time to this many seconds.
+pub(crate) fn nanoseconds(seconds: f64) -> i64 {
+    // The whole seconds first, so that the digits behind the point are not rounded with those before it.
+    let whole = seconds.floor();
+    (whole as i64).saturating_mul(SECOND).saturating_add(((seconds - whole) * SECOND as f64).round() as i64)
+}
+
+/// Seconds as text (`1305031452.791720`, `1.5e-1`) in nanoseconds, without the rounding of a double where it is written in full.
+pub(crate) fn parse(text: &str) -> Option<i64> {
+    let number: f64 = text.parse().ok().filter(|number: &f64| number.is_finite() && number.abs() < 9.2e9)?;
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    if whole.is_empty() || !digits(whole) || !digits(fraction) || fraction.len() > 9 {
+        return Some(nanoseconds(number));
+    }
+    let fraction: i64 = format!("{fraction:0<9}").parse().ok()?;
+    Some(whole.parse::<i64>().ok()? * SECOND + fraction)
+}
+
+/// A date with a time of day (`2011-09-26 13:02:25.964389445`), in nanoseconds since 1970.
+fn parse_date(text: &str) -> Option<i64> {
+    let (date, time) = text.split_once([' ', 'T'])?;
+    let mut numbers = date.splitn(3, '-').map(|part| part.parse::<i64>().ok());
+    let (year, month, day) = (numbers.next()??, numbers.next()??, numbers.next()??);
+    let mut parts = time.trim().trim_end_matches('Z').splitn(3, ':');
+    let (hours, minutes): (i64, i64) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
+    let rest = parse(parts.next()?)?;
+    let is_valid = (1970..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
+    // Days since 1970 in the Gregorian calendar, whose year is taken to begin in March.
+    let (y, m) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
+    let days = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1 - 719_468;
+    is_valid.then(|| ((days * 24 + hours) * 60 + minutes) * 60 * SECOND + rest)
+}
+
+/// The time in a file name: whole nanoseconds, microseconds or milliseconds since 1970, or seconds with a point.
+pub(super) fn of_name(stem: &str) -> Option<i64> {
+    let (whole, fraction) = stem.split_once('.').unwrap_or((stem, ""));
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    if !is_number(whole) {
+        return None;
+    }
+    match (whole.len(), fraction) {
+        (18 | 19, "") => whole.parse().ok(),
+        (16, "") => Some(whole.parse::<i64>().ok()? * 1_000),
+        (13, "") => Some(whole.parse::<i64>().ok()? * 1_000_000),
+        (1..=10, fraction) if is_number(fraction) && fraction.len() >= 3 => parse(stem),
+        _ => None,
+    }
+}
+
+/// Times of all these names, if every one is a time and they increase.
+pub(super) fn of_names<'a>(stems: impl Iterator<Item = &'a str>) -> Option<Vec<i64>> {
+    let times = stems.map(of_name).collect::<Option<Vec<i64>>>()?;
+    (!times.is_empty() && times.windows(2).all(|two| two[0] < two[1])).then_some(times)
+}
+
+/// The time in a field of a line, in seconds.
+pub(super) fn of_field(line: &Line<'_>, field: &str) -> Result<i64, FileError> {
+    line.number(field)?;
+    parse(field).ok_or_else(|| {
+        let expected = "seconds (nanoseconds have their place in EuRoC's and VSLAM-LAB's lists)";
+        line.error(shown(field), expected)
+    })
+}
+
+/// Times that do not decrease; repeated ones are left to [`drop_repeated`] as long as they are few.
+#[derive(Default)]
+pub(super) struct Order {
+    last: Option<i64>,
+    n: usize,
+    n_repeated: usize,
+}
+
+impl Order {
+    /// Takes the next time of a list.
+    ///
+    /// # Errors
+    /// It lies before the last one, or too many are repeated.
+    pub(super) fn next(&mut self, line: &Line<'_>, ns: i64) -> Result<(), FileError> {
+        /// More than one in so many is not a hiccup.
+        const RARE: usize = 10;
+        let last = self.last.replace(ns);
+        self.n += 1;
+        self.n_repeated += usize::from(last == Some(ns));
+        match last.filter(|&last| ns < last || ns == last && self.n_repeated > 1 + self.n / RARE) {
+            Some(before) => Err(line.error(
+                format!("time {} after {} of the previous entry", shown_seconds(ns), shown_seconds(before)),
+                "strictly increasing times",
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Seconds with the digits that they need.
+fn shown_seconds(ns: i64) -> String {
+    if ns < 0 {
+        return seconds(ns).to_string();
+    }
+    let (whole, fraction) = (ns / SECOND, ns % SECOND);
+    let digits = format!("{fraction:09}");
+    match digits.trim_end_matches('0') {
+        "" => whole.to_string(),
+        digits => format!("{whole}.{digits}"),
+    }
+}
+
+/// A line per frame: seconds, or a date with a time of day.
+///
+/// # Errors
+/// [`FileError`] for what is no time, and times that go back.
+pub(super) fn read_list(path: &Path) -> Result<Vec<i64>, FileError> {
+    const EXPECTED: &str = "a time in seconds per line";
+    let file = TextFile::read(path, EXPECTED)?;
+    let mut times = Vec::new();
+    let mut order = Order::default();
+    for line in file.data_lines() {
+        let ns = match parse_date(line.text) {
+            Some(ns) => ns,
+            None => {
+                let [_] = line.numbers::<1>(line.text.split_whitespace(), EXPECTED)?;
+                of_field(&line, line.text)?
+            }
+        };
+        order.next(&line, ns)?;
+        times.push(ns);
+    }
+    if times.is_empty() { Err(file.empty(EXPECTED)) } else { Ok(times) }
+}
+
+/// Leaves out frames whose time is that of the one before.
+pub(super) fn drop_repeated(frames: &mut Vec<FrameSource>, warnings: &mut Vec<String>) {
+    let mut last = None;
+    let mut dropped = Vec::new();
+    frames.retain(|frame| {
+        let is_new = last.replace(frame.timestamp_ns) != Some(frame.timestamp_ns);
+        if !is_new {
+            dropped.push(frame.left.display().to_string());
+        }
+        is_new
+    });
+    if let Some(first) = dropped.first() {
+        warnings.push(format!(
+            "{first}: its time is that of the frame before; {} left out",
+            if dropped.len() == 1 {
+                "the frame is".to_owned()
+            } else {
+                format!("{} are", counted(dropped.len(), "such frame"))
+            }
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_kept_as_they_are_written() {
+        for (text, ns) in [
+            ("1305031452.791720", 1_305_031_452_791_720_000),
+            ("1403636579.763555584", 1_403_636_579_763_555_584),
+            ("0", 0),
+            ("5.", 5_000_000_000),
+            ("1.036224e-01", 103_622_400),
+            ("-0.5", -500_000_000),
+        ] {
+            assert_eq!(parse(text), Some(ns), "{text}");
+        }
+        for text in ["", "x", "nan", "1403636579763555584", "1e300"] {
+            assert_eq!(parse(text), None, "{text}");
+        }
+        for text in ["1305031452.791720", "1.234567", "5.186880e+00", "0.1", "1403636579.763555584"] {
+            assert_eq!(seconds(parse(text).unwrap()), text.parse::<f64>().unwrap(), "{text}");
+        }
+        assert_eq!(nanoseconds(-0.25), -250_000_000);
+        assert_eq!([-250_000_000, 0, 1_500_000_000].map(shown_seconds), ["-0.25", "0", "1.5"]);
+    }
+
+    #[test]
+    fn dates_count_from_1970() {
+        assert_eq!(parse_date("1970-01-02 00:00:01.000000007"), Some(86_401 * SECOND + 7));
+        assert_eq!(parse_date("2011-09-26 13:02:25.964389445"), Some(1_317_042_145_964_389_445));
+        assert_eq!(parse_date("2000-02-29T12:00:00Z"), Some(951_825_600 * SECOND));
+        assert_eq!((parse_date("0.5"), parse_date("2011-13-26 13:02:25.9")), (None, None));
+    }
+
+    #[test]
+    fn names_are_times_when_all_of_them_are() {
+        assert_eq!(of_name("1403636579763555584"), Some(1_403_636_579_763_555_584));
+        assert_eq!(of_name("1305031452.791720"), Some(1_305_031_452_791_720_000));
+        assert_eq!(of_name("1305031452791"), Some(1_305_031_452_791_000_000));
+        assert_eq!((of_name("000012"), of_name("frame-1"), of_name("2.1")), (None, None, None));
+        assert_eq!(of_names(["1403636579763555584", "1403636579763555583"].into_iter()), None, "going back");
+    }
+}

@@ -1,0 +1,65 @@
+//! The stamps of frames as they were read: 19 digits of nanoseconds are more than a double holds.
+
+use std::fmt;
+
+use super::super::dataset::FrameSource;
+use super::super::dataset::stamps::nanoseconds;
+
+/// The times of a sequence's frames, so that poses are written with the very stamps that were read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clock {
+    /// Seconds and nanoseconds, by rising seconds.
+    times: Vec<(f64, i64)>,
+}
+
+/// Seconds with nine decimals.
+pub(super) struct Stamp(i64);
+
+impl Clock {
+    /// The clock of these frames.
+    pub fn of(frames: &[FrameSource]) -> Self {
+        let mut times: Vec<(f64, i64)> =
+            frames.iter().map(|frame| (frame.timestamp_s(), frame.timestamp_ns)).collect();
+        times.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self { times }
+    }
+
+    /// The nanoseconds of a frame's time in seconds; of any other time the nearest ones.
+    pub fn nanoseconds(&self, timestamp_s: f64) -> i64 {
+        let found = self.times.binary_search_by(|(seconds, _)| seconds.total_cmp(&timestamp_s));
+        found.map_or_else(|_| nanoseconds(timestamp_s), |at| self.times[at].1)
+    }
+
+    /// The time as text.
+    pub(super) fn stamp(&self, timestamp_s: f64) -> Stamp {
+        Stamp(self.nanoseconds(timestamp_s))
+    }
+}
+
+impl fmt::Display for Stamp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const SECOND: u64 = 1_000_000_000;
+        let (sign, ns) = (if self.0 < 0 { "-" } else { "" }, self.0.unsigned_abs());
+        write!(f, "{sign}{}.{:09}", ns / SECOND, ns % SECOND)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stamps_out_are_stamps_in() {
+        let stamps = [1_403_636_579_763_555_584, 1_403_636_579_763_556_583, 1_305_031_452_791_720_000];
+        let frames = stamps.map(|ns| FrameSource::of(0, ns, "a.png".into()));
+        let clock = Clock::of(&frames);
+        for frame in &frames {
+            assert_eq!(clock.nanoseconds(frame.timestamp_s()), frame.timestamp_ns);
+        }
+        assert_eq!(clock.stamp(frames[0].timestamp_s()).to_string(), "1403636579.763555584");
+        assert_eq!(
+            [clock.stamp(0.25).to_string(), clock.stamp(-1.5).to_string()],
+            ["0.250000000", "-1.500000000"]
+        );
+    }
+}
