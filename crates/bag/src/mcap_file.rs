@@ -1,0 +1,224 @@
+//! MCAP: records one after another, most of them in chunks. They are walked through, so that a file without its index is read as well.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use mcap::parse_record;
+use mcap::records::Record;
+
+use crate::error::BagError;
+use crate::storage::{Pieces, Place, Seen, Storage, limited, unzstd};
+use crate::wire::Wire;
+
+/// What the file begins and ends with.
+pub(crate) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// A record's code and length.
+const HEAD: u64 = 9;
+
+mod op {
+    pub(super) const FOOTER: u8 = 0x02;
+    pub(super) const SCHEMA: u8 = 0x03;
+    pub(super) const CHANNEL: u8 = 0x04;
+    pub(super) const MESSAGE: u8 = 0x05;
+    pub(super) const CHUNK: u8 = 0x06;
+}
+
+/// Channel number, log and publish time before a message's data: 2 + 4 + 8 + 8 bytes.
+const MESSAGE_HEAD: usize = 22;
+
+/// A channel: topic, type, how its messages are written.
+struct Channel {
+    topic: String,
+    type_name: String,
+    wire: Option<Wire>,
+}
+
+pub(crate) struct McapFile {
+    pieces: Pieces,
+    /// Whether each message is packed by itself.
+    is_packed: bool,
+    schemas: BTreeMap<u16, String>,
+    channels: BTreeMap<u16, Channel>,
+    /// The chunk read last.
+    chunk: Option<(u64, Vec<u8>)>,
+}
+
+impl McapFile {
+    pub(crate) fn open(path: &Path, is_packed: bool) -> Result<Self, BagError> {
+        let pieces = Pieces::open(path)?;
+        Ok(Self { pieces, is_packed, schemas: BTreeMap::new(), channels: BTreeMap::new(), chunk: None })
+    }
+
+    /// Code and body of the record at `at`.
+    fn record(&mut self, at: u64) -> Result<(u8, Vec<u8>), BagError> {
+        let head = self.pieces.read(at, HEAD)?;
+        Ok((head[0], self.pieces.read(at + HEAD, length_of(&head))?))
+    }
+
+    /// The records in the chunk at `at`.
+    fn unpack(&mut self, at: u64) -> Result<(), BagError> {
+        if self.chunk.as_ref().is_some_and(|(place, _)| *place == at) {
+            return Ok(());
+        }
+        let (code, body) = self.record(at)?;
+        let records = if code == op::CHUNK { chunk(&body) } else { Err("a chunk has moved".to_owned()) };
+        let records = records.map_err(|reason| self.pieces.broken(at, reason))?;
+        self.chunk = Some((at, records));
+        Ok(())
+    }
+
+    /// A schema or a channel is remembered.
+    fn learn(&mut self, code: u8, body: &[u8]) -> Result<(), String> {
+        match parse_record(code, body).map_err(|error| error.to_string())? {
+            Record::Schema { header, .. } => {
+                self.schemas.insert(header.id, header.name);
+            }
+            Record::Channel(channel) => {
+                let type_name = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                let wire = match channel.message_encoding.as_str() {
+                    "cdr" => Some(Wire::Cdr),
+                    "ros1" => Some(Wire::Ros1),
+                    _ => None,
+                };
+                self.channels.insert(channel.id, Channel { topic: channel.topic, type_name, wire });
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Visits a message whose record (without code and length) is `body`; it lies at `offset` of the record at `record`.
+    fn visit(
+        &self,
+        record: u64,
+        offset: usize,
+        body: &[u8],
+        visit: &mut dyn FnMut(Seen<'_>),
+    ) -> Result<(), String> {
+        let Some((head, data)) = body.split_at_checked(MESSAGE_HEAD) else {
+            return Err(format!("a message of {} bytes", body.len()));
+        };
+        let channel = u16::from_le_bytes([head[0], head[1]]);
+        let Some(Channel { topic, type_name, wire }) = self.channels.get(&channel) else {
+            return Err(format!("a message of channel {channel}, which has not been described"));
+        };
+        let Some(wire) = *wire else { return Ok(()) };
+        let log_ns =
+            u64::from_le_bytes([head[6], head[7], head[8], head[9], head[10], head[11], head[12], head[13]]);
+        let place =
+            Place { file: 0, record, offset: (offset + MESSAGE_HEAD) as u32, length: data.len() as u32 };
+        let log_ns = i64::try_from(log_ns).unwrap_or(i64::MAX);
+        let unpacked;
+        let data = if self.is_packed {
+            unpacked = unzstd(data, u64::MAX)?;
+            &unpacked
+        } else {
+            data
+        };
+        visit(Seen { topic, type_name, wire, log_ns, place, data });
+        Ok(())
+    }
+
+    fn scan_chunk(&mut self, at: u64, visit: &mut dyn FnMut(Seen<'_>)) -> Result<(), BagError> {
+        self.unpack(at)?;
+        // Taken out, since channels are learned on the way.
+        let Some((_, records)) = self.chunk.take() else { return Ok(()) };
+        let mut here = 0;
+        let mut walk = || -> Result<(), String> {
+            while let Some(head) = records.get(here..here + HEAD as usize) {
+                let body = here + HEAD as usize;
+                let end = usize::try_from(length_of(head)).ok().and_then(|length| body.checked_add(length));
+                let Some(bytes) = end.and_then(|end| records.get(body..end)) else {
+                    return Err(format!("a record at {here} that leads beyond its chunk"));
+                };
+                match head[0] {
+                    op::SCHEMA | op::CHANNEL => self.learn(head[0], bytes)?,
+                    op::MESSAGE => self.visit(at, body, bytes, visit)?,
+                    _ => {}
+                }
+                here = body + bytes.len();
+            }
+            Ok(())
+        };
+        walk().map_err(|reason| self.pieces.broken(at, reason))?;
+        self.chunk = Some((at, records));
+        Ok(())
+    }
+
+    /// Visits what the record at `at` holds; returns where the next one begins, `None` after the last.
+    fn step(&mut self, at: u64, visit: &mut dyn FnMut(Seen<'_>)) -> Result<Option<u64>, BagError> {
+        let head = self.pieces.read(at, HEAD)?;
+        let (code, length) = (head[0], length_of(&head));
+        match code {
+            op::FOOTER => return Ok(None),
+            op::CHUNK => self.scan_chunk(at, visit)?,
+            op::SCHEMA | op::CHANNEL | op::MESSAGE => {
+                let body = self.pieces.read(at + HEAD, length)?;
+                let done = match code {
+                    op::MESSAGE => self.visit(at, HEAD as usize, &body, visit),
+                    _ => self.learn(code, &body),
+                };
+                done.map_err(|reason| self.pieces.broken(at, reason))?;
+            }
+            _ => {}
+        }
+        Ok(Some(at.saturating_add(HEAD).saturating_add(length)))
+    }
+}
+
+impl Storage for McapFile {
+    fn scan(&mut self, visit: &mut dyn FnMut(Seen<'_>)) -> Result<Option<String>, BagError> {
+        let mut at = MAGIC.len() as u64;
+        loop {
+            if at >= self.pieces.length {
+                return Ok(Some(format!(
+                    "{}: ends without a footer: it was cut short",
+                    self.pieces.path.display()
+                )));
+            }
+            match self.step(at, visit) {
+                Ok(Some(next)) => at = next,
+                Ok(None) => return Ok(None),
+                Err(error @ BagError::Unreadable { .. }) => return Err(error),
+                Err(error) => return Ok(Some(format!("{error}; what follows is left out"))),
+            }
+        }
+    }
+
+    fn read(&mut self, place: Place) -> Result<Vec<u8>, BagError> {
+        let head = self.pieces.read(place.record, HEAD)?;
+        let (offset, length) = (place.offset as usize, place.length as usize);
+        let data = if head[0] == op::MESSAGE {
+            self.pieces.read(place.record + u64::from(place.offset), u64::from(place.length))?
+        } else {
+            self.unpack(place.record)?;
+            let records = self.chunk.as_ref().map_or(&[][..], |(_, records)| records);
+            let data = records.get(offset..offset + length);
+            data.ok_or_else(|| self.pieces.broken(place.record, "a message has moved".to_owned()))?.to_vec()
+        };
+        if self.is_packed {
+            return unzstd(&data, u64::MAX).map_err(|reason| self.pieces.broken(place.record, reason));
+        }
+        Ok(data)
+    }
+}
+
+/// Length of a record by its first nine bytes.
+fn length_of(head: &[u8]) -> u64 {
+    head[1..9].iter().rev().fold(0, |length, byte| length << 8 | u64::from(*byte))
+}
+
+/// The records in a chunk.
+fn chunk(body: &[u8]) -> Result<Vec<u8>, String> {
+    let Record::Chunk { header, data } = parse_record(op::CHUNK, body).map_err(|error| error.to_string())?
+    else {
+        return Err("not a chunk".to_owned());
+    };
+    let limit = header.uncompressed_size;
+    match header.compression.as_str() {
+        "" => Ok(data.into_owned()),
+        "zstd" => unzstd(&data, limit),
+        "lz4" => limited(lz4_flex::frame::FrameDecoder::new(&data[..]), limit),
+        other => Err(format!("compression {other}, expected none, zstd or lz4")),
+    }
+}
