@@ -125,6 +125,16 @@ Examples:
     )
 }
 
+/// Below `dsslam inspect bag --help`.
+pub(crate) fn bag() -> String {
+    with_codes(
+        "\
+Examples:
+  dsslam inspect bag drive.mcap
+  dsslam run drive.mcap --topics left=/cam0/image_raw,right=/cam1/image_raw",
+    )
+}
+
 /// Below `dsslam export --help`.
 pub(crate) fn export() -> String {
     with_codes(

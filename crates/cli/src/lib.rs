@@ -4,6 +4,7 @@
 
 mod activation;
 mod args;
+mod bag;
 mod clock;
 mod config;
 mod console;
@@ -39,6 +40,7 @@ use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
 
 use args::{Cli, Command, Inspect, ShellCommand};
+use bag::{BagAction, BagCommand};
 use exit::{Exit, Failure};
 
 /// Runs the program with these arguments, of which the first is its name, and returns its exit code. Help, the version and wrong
@@ -80,8 +82,10 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
             Inspect::Match(args) => args.run(),
             Inspect::Stereo(args) => args.run(),
             Inspect::Activation(args) => activation::run(&args),
+            Inspect::Bag(args) => bag::info(&args),
             Inspect::Vocab(args) => vocab::run(&args.action),
         },
+        Command::Bag(BagCommand { action: BagAction::Info(args) }) => bag::info(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Shell(args) => match args.what {
             ShellCommand::Completions(args) => shell::completions(&args),

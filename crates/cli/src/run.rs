@@ -76,6 +76,7 @@ fn options(args: &RunArgs) -> Result<SessionOptions> {
     let mut options = SessionOptions::default();
     options.input.sensor = args.sensor;
     options.input.calibration = args.calib.clone();
+    options.input.topics = args.topics.clone();
     options.input.ground_truth = args.ground_truth.clone();
     options.input.max_frames = args.max_frames.map(|n| n as usize);
     options.slam.network = args.network.options();

@@ -92,6 +92,9 @@ pub enum Error {
         /// What stands there.
         found: String,
     },
+    /// A bag.
+    #[error(transparent)]
+    Bag(#[from] bag::BagError),
     /// The stream of a video or a camera.
     #[error(transparent)]
     Video(#[from] VideoError),

@@ -9,6 +9,7 @@ use io::{OpenOptions, Sensor, Sequence};
 use runtime::{FrameFeed, SequenceFeed, Setup};
 use synth::World;
 
+use crate::bag_input::{BagFeed, OpenedBag};
 use crate::intake::Intake;
 use crate::video::{self, Opened};
 use crate::video_feed::VideoFeed;
@@ -25,6 +26,9 @@ pub struct InputOptions {
     /// Ground truth, in any format of [`io::read_trajectory`] and of the same body as the dataset's own (KITTI: camera 0); `None`:
     /// the dataset's own, if there is one. Not for videos.
     pub ground_truth: Option<PathBuf>,
+    /// Topics of a bag; `None`: those that names and types suggest. A bag's poses are taken as ground truth where `ground_truth` names their
+    /// topic.
+    pub topics: Option<bag::Roles>,
     /// Number of frames after which the run ends; `None`: all.
     pub max_frames: Option<usize>,
 }
@@ -55,6 +59,13 @@ impl Input {
             ground_truth: options.ground_truth.clone(),
         };
         let max_frames = options.max_frames;
+        if bag::is_bag(path) {
+            let opened = OpenedBag::new(path, &opening, options.topics.as_ref())?;
+            let intake = Intake::new(path, opened.sequence.clone(), Some(opened.size), config)?;
+            let units = intake.config.camera.depth_units_per_metre;
+            let feed = Box::new(BagFeed::new(opened, intake.preparation.clone(), max_frames, units));
+            return Ok(Self { intake, feed });
+        }
         if video::is_video(path) || video::is_camera(path) {
             if options.ground_truth.is_some() {
                 return Err(Error::GroundTruth { path: path.to_path_buf() });

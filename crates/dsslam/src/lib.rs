@@ -40,6 +40,7 @@
 //! The examples `01_folder`, `02_push_images` and `03_save_load_localize` are programs to start from. The crates behind this one are
 //! its modules [`geometry`], [`io`], [`map`], [`runtime`] and [`synth`].
 
+mod bag_input;
 mod camera;
 mod config;
 mod error;
@@ -63,7 +64,7 @@ mod video;
 mod video_feed;
 mod view;
 
-pub use ::{geometry, io, map, runtime, synth};
+pub use ::{bag, geometry, io, map, runtime, synth};
 
 pub use camera::Camera;
 pub use config::{CameraError, Chosen, Config, SCHEMA, presets};

@@ -169,7 +169,7 @@ impl Slam {
 }
 
 /// Nanoseconds as the double nearest to the seconds that they are, so that a time has the bits of the same time in a file.
-fn seconds(t_ns: i64) -> f64 {
+pub(crate) fn seconds(t_ns: i64) -> f64 {
     const PER_SECOND: u64 = 1_000_000_000;
     // Up to 104 days both numbers are exact, and so is the rounding of their quotient.
     if t_ns.unsigned_abs() < 1 << 53 {

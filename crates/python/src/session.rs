@@ -77,7 +77,7 @@ impl Observer for Telling<'_> {
 
 /// Runs over all frames; `dsslam.run` wraps it so that Ctrl-C ends it with its results.
 #[pyfunction]
-#[pyo3(signature = (path, config, stop, *, settings, sensor, calibration, ground_truth, max_frames, map, localize, vocabulary, network, schedule, observer))]
+#[pyo3(signature = (path, config, stop, *, settings, sensor, calibration, ground_truth, topics, max_frames, map, localize, vocabulary, network, schedule, observer))]
 #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
 pub(crate) fn run(
     py: Python<'_>,
@@ -88,6 +88,7 @@ pub(crate) fn run(
     sensor: Option<&str>,
     calibration: Option<PathBuf>,
     ground_truth: Option<PathBuf>,
+    topics: Option<&str>,
     max_frames: Option<usize>,
     map: Option<PathBuf>,
     localize: bool,
@@ -101,6 +102,7 @@ pub(crate) fn run(
     options.input.sensor = arguments::sensor(sensor)?;
     options.input.calibration = calibration;
     options.input.ground_truth = ground_truth;
+    options.input.topics = topics.map(str::parse).transpose().map_err(|error: dsslam::bag::BagError| raised(error))?;
     options.input.max_frames = max_frames;
     options.slam = arguments::options(map, localize, vocabulary, network, schedule)?;
     let stop = Arc::clone(&stop.get().0);

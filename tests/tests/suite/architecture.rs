@@ -16,6 +16,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/dsfeat", &["geometry", "features"]),
     ("crates/optim", &["geometry", "simd"]),
     ("crates/io", &["geometry", "settings"]),
+    ("crates/bag", &["geometry", "io"]),
     ("crates/bow", &["geometry", "simd", "features", "io"]),
     ("crates/map", &["geometry", "features"]),
     ("crates/export", &["geometry", "features", "io", "map", "draw"]),
@@ -29,14 +30,14 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "crates/dsslam",
         &[
             "geometry", "settings", "features", "dsfeat", "bow", "map", "slam", "events", "runtime", "io",
-            "synth", "eval",
+            "synth", "eval", "bag",
         ],
     ),
     (
         "crates/cli",
         &[
             "dsslam", "geometry", "features", "map", "slam", "runtime", "io", "bow", "synth", "eval", "draw",
-            "export", "dsfeat", "events",
+            "export", "dsfeat", "events", "bag",
         ],
     ),
     ("crates/python", &["dsslam", "cli", "geometry", "map", "io", "eval"]),

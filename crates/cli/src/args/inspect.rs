@@ -3,6 +3,7 @@
 use clap::{Args, Subcommand};
 
 use super::{ActivationArgs, VocabArgs};
+use crate::bag::BagArgs;
 use crate::help;
 use crate::shell::{CompletionsArgs, ManArgs};
 use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
@@ -30,6 +31,9 @@ pub(crate) enum Inspect {
     /// Draws the activation of an image as a heat map, with the features that a selection keeps and drops.
     #[command(after_help = help::activation())]
     Activation(ActivationArgs),
+    /// Lists the topics of a bag (rosbag2, MCAP, ROS 1) and what a run takes of it.
+    #[command(after_help = help::bag())]
+    Bag(BagArgs),
     /// Trains, describes and converts vocabularies for place recognition.
     #[command(after_help = help::vocab())]
     Vocab(VocabArgs),

@@ -10,6 +10,7 @@ mod vocab;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::bag::BagCommand;
 use crate::config::{CalibArgs, CheckArgs, DefaultArgs};
 use crate::console::Voice;
 use crate::doctor::DoctorArgs;
@@ -65,6 +66,9 @@ pub(crate) enum Command {
     /// Looks at single stages: features, matches, disparities, activation; trains and converts vocabularies.
     #[command(after_help = help::inspect())]
     Inspect(InspectArgs),
+    /// Lists the topics of a bag: the same as `dsslam inspect bag`.
+    #[command(hide = true)]
+    Bag(BagCommand),
     /// Lists what this machine has, what it lacks, and how to install it.
     #[command(after_help = help::doctor())]
     Doctor(DoctorArgs),

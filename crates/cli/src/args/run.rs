@@ -11,8 +11,8 @@ use super::{NetworkArgs, SettingsArgs, ShowArgs};
 /// Arguments of `dsslam run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Folder of the sequence (KITTI odometry, TUM RGB-D, EuRoC, or images with a calibration file), a video, or a camera such as
-    /// /dev/video0.
+    /// Folder of the sequence (KITTI odometry, TUM RGB-D, EuRoC, or images with a calibration file), a bag (rosbag2, MCAP,
+    /// ROS 1), a video, or a camera such as /dev/video0.
     #[arg(value_name = "SEQUENCE")]
     pub(crate) sequence: PathBuf,
     /// The configuration.
@@ -21,6 +21,9 @@ pub(crate) struct RunArgs {
     /// Calibration file of the cameras, for images and videos: DSSLAM's YAML, EuRoC's sensor.yaml, BoofCV's XML.
     #[arg(long, value_name = "FILE")]
     pub(crate) calib: Option<PathBuf>,
+    /// Topics of a bag [default: by their names and types]: left=TOPIC and right=TOPIC or depth=TOPIC.
+    #[arg(long, value_name = "ROLE=TOPIC,...")]
+    pub(crate) topics: Option<bag::Roles>,
     /// How to use the images [default: the richest sensor that the folder offers].
     #[arg(long, value_parser = sensor_parser())]
     pub(crate) sensor: Option<Sensor>,
@@ -37,7 +40,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_frames: Option<u32>,
     /// Ground truth in KITTI's, TUM's or EuRoC's format instead of the sequence's own, of the same body (KITTI: camera 0, EuRoC: the
-    /// IMU).
+    /// IMU); or a topic of a bag with poses.
     #[arg(long, value_name = "FILE", help_heading = "Evaluation")]
     pub(crate) ground_truth: Option<PathBuf>,
     /// Segment lengths of t_rel and r_rel, meters.

@@ -31,6 +31,8 @@ pub enum SequenceKind {
     Replica,
     /// VSLAM-LAB: `rgb.csv`.
     VslamLab,
+    /// A bag: rosbag2, MCAP, ROS 1.
+    Bag,
     /// A video or a camera.
     Video,
     /// A rendered world: its frames are not files.
@@ -52,6 +54,7 @@ impl SequenceKind {
             Self::SevenScenes => "7-Scenes",
             Self::Replica => "Replica",
             Self::VslamLab => "VSLAM-LAB",
+            Self::Bag => "a ROS bag",
             Self::Video => "a video or a camera",
             Self::Rendered => "rendered",
             Self::Images => "a folder of images",
@@ -155,8 +158,6 @@ pub(super) fn container(path: &Path) -> Option<&'static str> {
     }
     let ending = path.extension()?.to_str()?.to_ascii_lowercase();
     Some(match ending.as_str() {
-        "bag" => "a ROS 1 bag, which is not read; extract its images into a folder first",
-        "mcap" | "db3" => "a ROS 2 bag, which is not read; extract its images into a folder first",
         "zip" | "tar" | "gz" | "tgz" | "bz2" | "xz" | "zst" | "7z" | "rar" => {
             "an archive, which is not read; unpack it first"
         }

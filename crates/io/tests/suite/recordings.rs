@@ -68,8 +68,6 @@ fn one_repeated_stamp_costs_one_frame() {
 fn recordings_that_are_files_are_named() {
     let folder = Folder::new();
     for (name, what) in [
-        ("a.bag", "a ROS 1 bag"),
-        ("a.mcap", "a ROS 2 bag"),
         ("a.zip", "an archive"),
         ("a.svo2", "a ZED recording"),
     ] {

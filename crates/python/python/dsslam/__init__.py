@@ -81,6 +81,7 @@ def run(
     sensor=None,
     calibration=None,
     ground_truth=None,
+    topics=None,
     max_frames=None,
     map=None,
     localize=False,
@@ -89,7 +90,7 @@ def run(
     schedule=None,
     observer=None,
 ):
-    """Run over a folder of images, a video or a camera, and return its results (`Finished`).
+    """Run over a folder of images, a bag, a video or a camera, and return its results (`Finished`).
 
     Without ``config`` the built-in configuration that goes with the layout of the folder is taken. ``observer(kind, what)`` is called
     with ``("frame", Result)`` for each frame, and with an event and its text for what else happens; what it raises ends the run.
@@ -114,6 +115,7 @@ def run(
                 sensor=sensor,
                 calibration=calibration,
                 ground_truth=ground_truth,
+                topics=topics,
                 max_frames=max_frames,
                 map=map,
                 localize=localize,

@@ -230,6 +230,7 @@ def run(
     sensor: _Sensor | None = None,
     calibration: _Path | None = None,
     ground_truth: _Path | None = None,
+    topics: str | None = None,
     max_frames: int | None = None,
     map: _Path | None = None,
     localize: bool = False,
