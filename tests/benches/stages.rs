@@ -140,7 +140,7 @@ fn stages(criterion: &mut Criterion) {
     criterion.bench_function("opencv_orb_2000 (U)", |b| {
         b.iter(|| orb.detect_and_compute(black_box(left)).unwrap())
     });
-    match dsfeat::Network::load(dsfeat::Model::Hybrid.bytes(), None, 1) {
+    match dsfeat::Network::load(dsfeat::BUILT_IN, None, 1) {
         Ok(network) => selection(criterion, &input, network),
         Err(error) => println!("skipped: the activation network: {error}"),
     }
@@ -176,9 +176,9 @@ fn stages(criterion: &mut Criterion) {
 /// The activation map of an image, and a frame of the 500 features that it selects.
 fn selection(criterion: &mut Criterion, input: &Input, network: dsfeat::Network) {
     let [left, right] = &input.pairs[0];
-    let (width, height) = network.input_size();
+    let (width, height) = network.input_size(left.width, left.height);
     criterion.bench_function(&format!("activation ({width} x {height})"), |b| {
-        b.iter(|| network.activation(black_box(left)).unwrap());
+        b.iter(|| network.answers(black_box(left)).unwrap());
     });
     let config = SelectionConfig { rule: SelectionRule::Activation, keep: 500, spread: Spread::Cells };
     let mut builder = input.builder().with_selection(config, Arc::new(network));

@@ -60,7 +60,7 @@ fn main() {
     let threads = rayon::current_num_threads();
     println!("{threads} threads, U: OpenCV ORB, 2000 features, one thread");
     measure("response, 2000 features", &image, &feed, &all);
-    let network = match dsfeat::Network::load(dsfeat::Model::Hybrid.bytes(), None, 1) {
+    let network = match dsfeat::Network::load(dsfeat::BUILT_IN, None, 1) {
         Ok(network) => Arc::new(network),
         Err(error) => {
             println!("skipped: activation, 500 features: {error}");

@@ -62,7 +62,7 @@ struct Tally {
 fn main() -> Result<(), Failure> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
     let (sequence, model) = match &arguments[..] {
-        [sequence] => (sequence, dsfeat::Model::Hybrid.bytes().to_vec()),
+        [sequence] => (sequence, dsfeat::BUILT_IN.to_vec()),
         [sequence, model] => (sequence, std::fs::read(model)?),
         _ => return Err("usage: weighted_ransac SEQUENCE [MODEL.onnx]".into()),
     };
@@ -89,7 +89,7 @@ fn pairs(sequence: &Sequence, model: &[u8]) -> Result<Vec<Pair>, Failure> {
         let images = io::load_frame(&sequence.frames[i])?;
         let right = images.right.ok_or("the right image is missing")?;
         let (frame, _) = builder.stereo(i as u32, i as f64, &images.left, &right)?;
-        let map = network.activation(&images.left)?;
+        let map = network.answers(&images.left)?.map;
         let mask = mask_of(&sequence.frames[i].left);
         Ok(View {
             frame,

@@ -1,24 +1,22 @@
-//! `dsslam inspect activation`: an image, its activation as a heat map, and the features that a selection keeps and drops.
+//! `dsslam inspect activation`: both answers of the network over an image, and the features that a selection keeps and drops.
 
-use std::fmt::Write as _;
-
-use dsfeat::heat_map;
+use draw::{Canvas, Color, Strip, Swatch};
+use dsfeat::{heat_color, heat_map};
 use features::{Keypoint, SelectionRule};
-use geometry::{GrayImage, Raster};
+use geometry::{GrayImage, Vec2};
 
 use crate::args::ActivationArgs;
-use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::selected::Selected;
-use crate::stage;
+use crate::stage::{self, row, save};
 
 /// Colors of kept and dropped features.
-const KEPT: [u8; 3] = [40, 230, 60];
-const DROPPED: [u8; 3] = [235, 50, 40];
-/// Rows or columns of white between the pictures.
-const GAP: usize = 6;
+const KEPT: Color = [40, 230, 60];
+const DROPPED: Color = [235, 50, 40];
+/// Radius of the dot of a feature, pixels.
+const DOT_PX: f64 = 2.0;
 
-/// Computes the map, draws the picture and prints the counts.
+/// Computes the maps, draws the picture and prints the counts.
 ///
 /// # Errors
 /// An image, a configuration or a network that cannot be used; a picture that cannot be written.
@@ -30,101 +28,58 @@ pub(crate) fn run(args: &ActivationArgs) -> Result<Exit, Failure> {
     }
     let mut picture = stage::picture(&args.image, None, &config).or_input()?;
     let selected = Selected::of(&mut picture, &args.network).or_input()?;
-    let image = picture.image;
-    let picture = beside(&[
-        gray(&image),
-        heat_map(&image, &selected.map),
-        features_drawn(&image, &[(&selected.dropped, DROPPED), (&selected.kept.keypoints, KEPT)]),
-    ]);
-    io::save_png_rgb(&args.out, &picture).or_output()?;
-    console::say(report(&selected).trim_end());
-    console::say(format!("written    {}", args.out.display()));
-    Ok(Exit::Done)
+    report(&selected, &picture.image);
+    save(&args.out, &drawn(&selected, &picture.image))
 }
 
-fn report(selected: &Selected) -> String {
-    let (map, rule) = (selected.map.values(), &selected.rule);
-    let trusted = map.data.iter().filter(|&&v| v >= 0.5).count() as f64 / map.data.len() as f64;
-    let (width, height) = selected.network.input_size();
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = writeln!(text, "network    {width} x {height} pixels, map {} x {}", map.width, map.height);
-    let _ = writeln!(text, "rule       {:?}, spread {:?}, at most {}", rule.rule, rule.spread, rule.keep);
-    let _ = writeln!(text, "trusted    {:.1} % of the image", 100.0 * trusted);
+fn report(selected: &Selected, image: &GrayImage) {
+    let (map, rule) = (&selected.answers.map, &selected.rule);
+    let (width, height) = selected.network.input_size(image.width, image.height);
+    let (columns, rows) = (map.values().width, map.values().height);
+    row("network", &format!("{width} x {height} pixels, map {columns} x {rows}"));
+    if let Some(known) = selected.answers.known {
+        row("street", &format!("{:.1} % sure that it is one; elsewhere there is no opinion", 100.0 * known));
+    }
+    row("rule", &format!("{:?}, spread {:?}, at most {}", rule.rule, rule.spread, rule.keep));
+    let share = |trust: &dyn Fn(f32, f32) -> f32| {
+        let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x as f32, y as f32)));
+        let trusted = pixels.filter(|&(x, y)| trust(x, y) >= 0.5).count();
+        100.0 * trusted as f64 / image.data.len() as f64
+    };
+    row("stays now", &format!("{:.1} % of the image", share(&|x, y| map.at(x, y))));
+    row("another day", &format!("{:.1} % of the image", share(&|x, y| map.lasting_at(x, y))));
     for (name, features) in [("kept", &selected.kept.keypoints), ("dropped", &selected.dropped)] {
         let mean = selected.mean_activation(features);
-        let _ = writeln!(text, "{name:<10} {} features, mean activation {mean:.3}", features.len());
-    }
-    text
-}
-
-fn gray(image: &GrayImage) -> io::Rgb {
-    Raster { width: image.width, height: image.height, data: image.data.iter().map(|&v| [v; 3]).collect() }
-}
-
-/// The image with a square around each feature.
-fn features_drawn(image: &GrayImage, groups: &[(&[Keypoint], [u8; 3])]) -> io::Rgb {
-    let mut picture = gray(image);
-    for &(features, color) in groups {
-        for feature in features {
-            square(&mut picture, (feature.x.round() as i64, feature.y.round() as i64), color);
-        }
-    }
-    picture
-}
-
-/// A square of 5 x 5 pixels, its outline only.
-fn square(picture: &mut io::Rgb, (x, y): (i64, i64), color: [u8; 3]) {
-    const REACH: i64 = 2;
-    for dy in -REACH..=REACH {
-        for dx in (-REACH..=REACH).filter(|dx| dx.abs().max(dy.abs()) == REACH) {
-            let (column, row) = (usize::try_from(x + dx), usize::try_from(y + dy));
-            let (Ok(column), Ok(row)) = (column, row) else { continue };
-            if column < picture.width && row < picture.height {
-                picture.row_mut(row)[column] = color;
-            }
-        }
+        row(name, &format!("{} features, mean activation {mean:.3}", features.len()));
     }
 }
 
-/// Pictures of equal size side by side, wide ones one below the other.
-fn beside(pictures: &[io::Rgb]) -> io::Rgb {
-    let Some(first) = pictures.first() else { return Raster::default() };
-    let (width, height, n) = (first.width, first.height, pictures.len());
-    let is_wide = width > 2 * height;
-    let total = |side: usize| n * side + (n - 1) * GAP;
-    let (all_width, all_height) = if is_wide { (width, total(height)) } else { (total(width), height) };
-    let mut sheet = Raster::new(all_width, all_height, [255; 3]);
-    for (i, picture) in pictures.iter().enumerate() {
-        let (left, top) = if is_wide { (0, i * (height + GAP)) } else { (i * (width + GAP), 0) };
-        for y in 0..height {
-            sheet.row_mut(top + y)[left..left + width].copy_from_slice(picture.row(y));
-        }
+/// Both answers and the features, one below the other, each with what its colors mean.
+fn drawn(selected: &Selected, image: &GrayImage) -> Canvas {
+    let map = &selected.answers.map;
+    let now = Canvas { image: heat_map(image, |x, y| map.at(x, y)) };
+    let another_day = Canvas { image: heat_map(image, |x, y| map.lasting_at(x, y)) };
+    let mut features = Canvas::of_gray(image, 1);
+    for (of, color) in [(&selected.dropped, DROPPED), (&selected.kept.keypoints, KEPT)] {
+        of.iter().for_each(|keypoint| features.disc(&pixel(keypoint), DOT_PX, color));
     }
-    sheet
+    let scale = |label: &str| vec![Swatch::scale(|share| heat_color(share as f32), label)];
+    let kinds = vec![
+        Swatch::kind(KEPT, format!("kept: {}", selected.kept.keypoints.len())),
+        Swatch::kind(DROPPED, format!("dropped: {}", selected.dropped.len())),
+    ];
+    let parts = [
+        (now, "activation: does it stay where it is now?", scale("0: moves, 1: stays")),
+        (another_day, "lasting: will it be there another day?", scale("0: vehicle or person, 1: stays")),
+        (features, "features", kinds),
+    ];
+    let with_legend = |(canvas, title, swatches): (Canvas, &str, Vec<Swatch>)| {
+        let strip = Strip { title: title.to_owned(), swatches }.drawn(canvas.image.width);
+        [canvas, strip]
+    };
+    Canvas::stacked(&parts.into_iter().flat_map(with_legend).collect::<Vec<_>>())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn at(x: f32) -> Keypoint {
-        Keypoint { x, y: 1.0, ..Keypoint::default() }
-    }
-
-    #[test]
-    fn wide_pictures_stand_below_each_other_and_others_side_by_side() {
-        let wide = beside(&[Raster::new(90, 20, [1; 3]), Raster::new(90, 20, [2; 3])]);
-        assert_eq!((wide.width, wide.height, wide.at(0, 0), wide.at(0, 45)), (90, 46, [1; 3], [2; 3]));
-        let tall = beside(&[Raster::new(30, 20, [1; 3]), Raster::new(30, 20, [2; 3])]);
-        assert_eq!((tall.width, tall.height, tall.at(65, 0)), (66, 20, [2; 3]));
-        assert_eq!(tall.at(32, 5), [255; 3], "the gap");
-    }
-
-    #[test]
-    fn squares_at_the_edge_stay_inside() {
-        let image = GrayImage::new(8, 8, 0);
-        let picture = features_drawn(&image, &[(&[at(0.0), at(7.0)], KEPT)]);
-        assert_eq!((picture.at(2, 1), picture.at(5, 1), picture.at(0, 1)), (KEPT, KEPT, [0; 3]));
-    }
+fn pixel(keypoint: &Keypoint) -> Vec2 {
+    Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y))
 }

@@ -4,10 +4,11 @@ use std::cell::OnceCell;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use dsfeat::{Model, Network};
+use dsfeat::Network;
 use dsslam::{Config, NetworkOptions};
 use eval::command::EvalCommand;
 use eval::{Host, Settings};
+use features::ExtractorConfig;
 use io::FileError;
 
 use crate::console;
@@ -48,13 +49,12 @@ fn settings(file: Option<&Path>, overrides: &[String]) -> anyhow::Result<Setting
 }
 
 fn network(
-    model: Model,
     file: Option<&Path>,
     library: Option<&Path>,
-    threads: usize,
+    features: &ExtractorConfig,
 ) -> anyhow::Result<Network> {
     let mut options = NetworkOptions::default();
     options.model = file.map(PathBuf::from);
     options.library = library.map(PathBuf::from);
-    Ok(dsslam::load_network(model, &options, threads)?)
+    Ok(dsslam::load_network(&options, features)?)
 }

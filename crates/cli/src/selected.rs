@@ -1,8 +1,8 @@
 //! What a selection keeps of the candidates of an image, and what it drops.
 
 use anyhow::Result;
-use dsfeat::Network;
-use features::{ActivationMap, Features, Keypoint, SelectionConfig};
+use dsfeat::{Answers, Network};
+use features::{Features, Keypoint, SelectionConfig};
 
 use crate::args::NetworkArgs;
 use crate::stage::Picture;
@@ -13,8 +13,8 @@ pub(crate) struct Selected {
     pub(crate) network: Network,
     /// How it chooses.
     pub(crate) rule: SelectionConfig,
-    /// What it thinks of the image.
-    pub(crate) map: ActivationMap,
+    /// What it says of the image.
+    pub(crate) answers: Answers,
     /// The features kept.
     pub(crate) kept: Features,
     /// The others.
@@ -30,15 +30,15 @@ impl Selected {
         let Picture { image, extractor, settings, .. } = picture;
         let (network, rule) = dsslam::open_network(settings, &args.options())?;
         let candidates = extractor.extract(image).keypoints;
-        let features::Selected { features: kept, map, .. } =
-            extractor.extract_selected(image, &rule, &network)?;
+        let answers = network.answers(image)?;
+        let kept = extractor.extract_selected(image, &rule, &answers.map)?.features;
         let dropped = without(&candidates, &kept.keypoints);
-        Ok(Self { network, rule, map, kept, dropped })
+        Ok(Self { network, rule, answers, kept, dropped })
     }
 
     /// Mean activation at features, 0 without any.
     pub(crate) fn mean_activation(&self, features: &[Keypoint]) -> f64 {
-        let sum: f64 = features.iter().map(|k| f64::from(self.map.at(k.x, k.y))).sum();
+        let sum: f64 = features.iter().map(|k| f64::from(self.answers.map.at(k.x, k.y))).sum();
         sum / (features.len().max(1)) as f64
     }
 }

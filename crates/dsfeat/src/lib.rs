@@ -1,7 +1,7 @@
 //! The activation network: rates how likely each image location belongs to the static, distinctive scene (DSFeat, Tian et al.).
 //!
-//! [`Network`] runs an ONNX model on a gray image and returns a [`features::ActivationMap`]; [`Model`] names the
-//! built-in models. Only this crate uses ONNX Runtime, which is loaded when a network is: `library.rs` says where it
+//! [`Network`] runs an ONNX model on a gray image and returns a [`features::ActivationMap`]; [`BUILT_IN`] is the
+//! built-in model. Only this crate uses ONNX Runtime, which is loaded when a network is: `library.rs` says where it
 //! is looked for. `training/` beside `src/` trains the models.
 
 mod error;
@@ -13,8 +13,8 @@ mod network;
 mod resize;
 
 pub use error::{Error, INSTALL};
-pub use heat::{Rgb, heat_map};
+pub use heat::{Rgb, heat_color, heat_map};
 pub use library::find_library;
 pub use model::{ImageModel, Output};
-pub use models::Model;
-pub use network::Network;
+pub use models::BUILT_IN;
+pub use network::{Answers, Network};

@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use dsslam_dsfeat::{Error, Model, Network};
+use dsslam_dsfeat::{BUILT_IN, Error, Network};
+use features::NetworkSize;
 use geometry::GrayImage;
 
 /// Side of the squares over which the test model averages, in pixels of its input.
@@ -36,9 +37,9 @@ fn image(width: usize, height: usize) -> GrayImage {
 fn the_map_is_what_the_model_computes_of_the_image() {
     let Some(network) = load(&file("mean_4.onnx"), 1) else { return };
     let network = network.unwrap();
-    assert_eq!(network.input_size(), (64, 32));
+    assert_eq!(network.input_size(640, 480), (64, 32));
     let image = image(64, 32);
-    let map = network.activation(&image).unwrap();
+    let map = network.answers(&image).unwrap().map;
     assert_eq!((map.values().width, map.values().height), (16, 8));
     for (column, row) in [(0, 0), (5, 3), (15, 7)] {
         let square = (0..SIDE * SIDE).map(|i| (SIDE * column + i % SIDE, SIDE * row + i / SIDE));
@@ -56,7 +57,7 @@ fn an_image_of_any_size_is_covered_from_corner_to_corner() {
     let network = network.unwrap();
     for (width, height) in [(1241, 376), (640, 480), (20, 10)] {
         let bright_below = GrayImage::from_fn(width, height, |_, y| if y < height / 2 { 0 } else { 255 });
-        let map = network.activation(&bright_below).unwrap();
+        let map = network.answers(&bright_below).unwrap().map;
         let (x, bottom) = (width as f32 / 3.0, (height - 1) as f32);
         assert!(map.at(x, 0.0) < 1e-5 && map.at(x, bottom) > 1.0 - 1e-5, "{width} x {height}");
     }
@@ -64,17 +65,38 @@ fn an_image_of_any_size_is_covered_from_corner_to_corner() {
 
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
-    for model in [Model::Hybrid, Model::Semantic] {
-        let Some(network) = load(model.bytes(), 1) else { return };
-        let image = image(1241, 376);
-        let once = network.unwrap().activation(&image).unwrap();
-        for threads in [1, 2, 4] {
-            let network = Network::load(model.bytes(), None, threads).unwrap();
-            for _ in 0..2 {
-                assert!(network.activation(&image).unwrap() == once, "{model:?} with {threads} threads");
-            }
+    let Some(network) = load(BUILT_IN, 1) else { return };
+    let image = image(1241, 376);
+    let once = network.unwrap().answers(&image).unwrap();
+    for threads in [1, 2, 4] {
+        let network = Network::load(BUILT_IN, None, threads).unwrap();
+        for _ in 0..2 {
+            assert!(network.answers(&image).unwrap() == once, "{threads} threads");
         }
     }
+}
+
+#[test]
+fn the_built_in_model_sees_images_in_their_own_proportions_and_gives_two_answers() {
+    let Some(network) = load(BUILT_IN, 1) else { return };
+    let network = network.unwrap();
+    let sizes = [(1241, 376), (640, 480), (752, 480), (100, 400)];
+    let inputs = sizes.map(|(width, height)| network.input_size(width, height));
+    assert_eq!(inputs, [(416, 128), (272, 192), (288, 192), (112, 464)]);
+    for ((width, height), input) in sizes.into_iter().zip(inputs) {
+        let answers = network.answers(&image(width, height)).unwrap();
+        let map = &answers.map;
+        assert_eq!((map.values().width, map.values().height), (input.0 / 2, input.1 / 2));
+        assert!(answers.known.is_some_and(|known| (0.0..=1.0).contains(&known)));
+        let places =
+            (0..width).step_by(9).flat_map(|x| (0..height).step_by(7).map(move |y| (x as f32, y as f32)));
+        for (x, y) in places {
+            assert!(map.lasting_at(x, y) <= map.at(x, y) + 1e-5, "what moves does not last: {x}, {y}");
+        }
+    }
+    let small = network.with_size(NetworkSize::Small);
+    assert_eq!(small.input_size(1241, 376), (320, 96));
+    assert_eq!(small.answers(&image(1241, 376)).unwrap().map.values().width, 160);
 }
 
 #[test]
@@ -98,8 +120,8 @@ fn other_models_are_refused() {
 fn a_map_of_what_is_no_number_is_refused() {
     let Some(network) = load(&file("not_a_number.onnx"), 1) else { return };
     let network = network.unwrap();
-    assert!(network.activation(&GrayImage::new(64, 32, 9)).is_ok());
-    let error = network.activation(&GrayImage::new(64, 32, 0)).unwrap_err().to_string();
+    assert!(network.answers(&GrayImage::new(64, 32, 9)).is_ok());
+    let error = network.answers(&GrayImage::new(64, 32, 0)).unwrap_err().to_string();
     assert!(error.starts_with("the network failed: its output"), "{error}");
-    assert!(matches!(network.activation(&GrayImage::default()), Err(Error::Failed(_))));
+    assert!(matches!(network.answers(&GrayImage::default()), Err(Error::Failed(_))));
 }

@@ -3,10 +3,10 @@
 
 use std::path::Path;
 
-use dsslam_dsfeat::{Error, Model, Network};
+use dsslam_dsfeat::{BUILT_IN, Error, Network};
 
 fn refused(file: &Path) -> String {
-    let error = Network::load(Model::Hybrid.bytes(), Some(file), 1).expect_err("no library");
+    let error = Network::load(BUILT_IN, Some(file), 1).expect_err("no library");
     let text = error.to_string();
     assert!(matches!(error, Error::BadLibrary { .. }), "{text}");
     text

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use dsfeat::{Model, Network};
-use features::{ExtractorConfig, SelectionConfig, SelectionRule};
+use dsfeat::{BUILT_IN, Network};
+use features::{ExtractorConfig, NetworkSize, SelectionConfig};
 use runtime::Selection;
 use sha2::{Digest, Sha256};
 
@@ -29,10 +29,20 @@ struct Opener {
     origin: String,
     library: Option<PathBuf>,
     threads: usize,
+    size: NetworkSize,
 }
 
 impl Opener {
-    /// A number for the model, which the maps depend on beside the image.
+    fn new(options: &NetworkOptions, settings: &ExtractorConfig) -> Result<Self, Error> {
+        let (model, origin) = match &options.model {
+            Some(file) => (read(file)?, file.display().to_string()),
+            None => (BUILT_IN.to_vec(), "the built-in network".to_owned()),
+        };
+        let (threads, size) = (settings.network_threads, settings.network_size);
+        Ok(Opener { model, origin, library: options.library.clone(), threads, size })
+    }
+
+    /// A number for the model, which the maps depend on beside the image and the settings.
     fn identity(&self) -> u64 {
         let digest = Sha256::digest(&self.model);
         digest.iter().take(8).fold(0, |number, byte| number << 8 | u64::from(*byte))
@@ -40,6 +50,7 @@ impl Opener {
 
     fn network(&self) -> Result<Network, Error> {
         Network::load(&self.model, self.library.as_deref(), self.threads)
+            .map(|network| network.with_size(self.size))
             .map_err(|problem| Error::Network { origin: self.origin.clone(), problem })
     }
 }
@@ -53,8 +64,8 @@ pub(crate) fn selection(
     settings: &ExtractorConfig,
     options: &NetworkOptions,
 ) -> Result<Option<Selection>, Error> {
-    let Some((config, model)) = chosen(settings) else { return Ok(None) };
-    let opener = opener(model, options, settings.network_threads)?;
+    let Some(config) = settings.choice() else { return Ok(None) };
+    let opener = Opener::new(options, settings)?;
     let (source, identity) = (Arc::new(opener.network()?), opener.identity());
     Ok(Some(Selection { config, source, identity }))
 }
@@ -67,34 +78,16 @@ pub fn open(
     settings: &ExtractorConfig,
     options: &NetworkOptions,
 ) -> Result<(Network, SelectionConfig), Error> {
-    let (config, model) = chosen(settings).ok_or(Error::NoNetwork)?;
-    Ok((opener(model, options, settings.network_threads)?.network()?, config))
+    let config = settings.choice().ok_or(Error::NoNetwork)?;
+    Ok((load(options, settings)?, config))
 }
 
-/// How the settings choose and the model for it; `None` without a network.
-fn chosen(settings: &ExtractorConfig) -> Option<(SelectionConfig, Model)> {
-    let model = match settings.selection {
-        SelectionRule::Response => return None,
-        SelectionRule::Semantic => Model::Semantic,
-        SelectionRule::Activation => Model::Hybrid,
-    };
-    settings.choice().map(|config| (config, model))
-}
-
-/// The network that the arguments name, else `model`.
+/// The network that the options name, else the built-in one.
 ///
 /// # Errors
 /// A model or a library that cannot be used.
-pub fn load(model: Model, options: &NetworkOptions, threads: usize) -> Result<Network, Error> {
-    opener(model, options, threads)?.network()
-}
-
-fn opener(model: Model, options: &NetworkOptions, threads: usize) -> Result<Opener, Error> {
-    let (model, origin) = match &options.model {
-        Some(file) => (read(file)?, file.display().to_string()),
-        None => (model.bytes().to_vec(), "the built-in network".to_owned()),
-    };
-    Ok(Opener { model, origin, library: options.library.clone(), threads })
+pub fn load(options: &NetworkOptions, settings: &ExtractorConfig) -> Result<Network, Error> {
+    Opener::new(options, settings)?.network()
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, Error> {

@@ -131,16 +131,11 @@ impl DeltaTracker {
     fn shown_point(&self, map: &Map, point: &MapPoint) -> PointUpdate {
         let known = self.frame_of.get(point.created_by.0 as usize).copied().flatten();
         let heir = || map.resolve_keyframe(point.created_by).and_then(|(id, _)| map.keyframe(id));
-        let activations = point.observations().iter().filter_map(|o| {
-            let frame = &map.keyframe(o.keyframe)?.frame;
-            frame.activation.get(o.feature as usize).copied()
-        });
-        let (sum, n) = activations.fold((0.0, 0_u32), |(sum, n), a| (sum + f64::from(a), n + 1));
         PointUpdate {
             id: point.id.0,
             position: [point.position.x as f32, point.position.y as f32, point.position.z as f32],
             born: known.or_else(|| Some(heir()?.frame.index)).unwrap_or(0),
-            activation: quantized(if n == 0 { 1.0 } else { sum / f64::from(n) }),
+            activation: quantized(point.trust()),
         }
     }
 

@@ -40,7 +40,7 @@ pub struct PointUpdate {
     pub position: [f32; 3],
     /// Number of the frame that was the newest keyframe when the point was made: its age.
     pub born: u32,
-    /// Mean activation of the features that show it, 0 to 255 for 0 to 1.
+    /// Probability that it stands still, of all that is known, 0 to 255 for 0 to 1.
     pub activation: u8,
 }
 

@@ -184,7 +184,7 @@ pub struct Features {
     pub pixels: Vec<[f32; 2]>,
     /// What tracking made of each.
     pub states: Vec<FeatureState>,
-    /// Activation of each, 0 to 255 for 0 to 1.
+    /// Belief in the map point of each, the network's word alone where it shows none, 0 to 255 for 0 to 1.
     pub activations: Vec<u8>,
 }
 

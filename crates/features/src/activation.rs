@@ -5,10 +5,13 @@ use std::fmt::Debug;
 
 /// Trust in the places of an image: 1 for the static, distinctive scene, 0 for what moves or looks like much else.
 ///
-/// The map is usually coarser than the image; the corners of both coincide.
+/// A source may give a second answer beside it: what will still be there another day, which vehicles will not, standing ones
+/// included. The map is usually coarser than the image; the corners of both coincide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActivationMap {
     values: Raster<f32>,
+    /// The second answer, of the same size; `None`: the first one stands for both.
+    lasting: Option<Raster<f32>>,
     columns_per_pixel: f32,
     rows_per_pixel: f32,
 }
@@ -45,14 +48,22 @@ impl ActivationMap {
     /// A map of an image of `width` x `height` pixels. Values are clamped to [0, 1]; `None` where one of them is not a
     /// number, or map or image are empty.
     #[must_use]
-    pub fn new(mut values: Raster<f32>, width: usize, height: usize) -> Option<Self> {
-        if values.data.is_empty() || width == 0 || height == 0 || values.data.iter().any(|v| v.is_nan()) {
+    pub fn new(values: Raster<f32>, width: usize, height: usize) -> Option<Self> {
+        let values = clamped(values)?;
+        if width == 0 || height == 0 {
             return None;
         }
-        values.data.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
         let columns_per_pixel = values.width as f32 / width as f32;
         let rows_per_pixel = values.height as f32 / height as f32;
-        Some(Self { values, columns_per_pixel, rows_per_pixel })
+        Some(Self { values, lasting: None, columns_per_pixel, rows_per_pixel })
+    }
+
+    /// The same with the second answer; `None` where it has another size or holds something that is not a number.
+    #[must_use]
+    pub fn with_lasting(self, lasting: Raster<f32>) -> Option<Self> {
+        let fits = lasting.width == self.values.width && lasting.height == self.values.height;
+        let lasting = clamped(lasting).filter(|_| fits)?;
+        Some(Self { lasting: Some(lasting), ..self })
     }
 
     /// The map's own values, as coarse as they are.
@@ -61,17 +72,44 @@ impl ActivationMap {
         &self.values
     }
 
+    /// A map of the same image whose cells have the answers of other ones: those that `from` names, column and row.
+    pub(crate) fn taken_from(&self, from: impl Fn(usize, usize) -> (usize, usize)) -> Self {
+        let cells = Raster::from_fn(self.values.width, self.values.height, from);
+        let take = |values: &Raster<f32>| Raster {
+            data: cells.data.iter().map(|&(column, row)| values.at(column, row)).collect(),
+            ..*values
+        };
+        Self { values: take(&self.values), lasting: self.lasting.as_ref().map(take), ..*self }
+    }
+
     /// Activation at a position in pixels of the image (whole numbers are centers of pixels), bilinear between the map's
     /// values and constant beyond the outermost ones.
     #[must_use]
     pub fn at(&self, x: f32, y: f32) -> f32 {
-        let (x0, x1, dx) = between((x + 0.5) * self.columns_per_pixel - 0.5, self.values.width);
-        let (y0, y1, dy) = between((y + 0.5) * self.rows_per_pixel - 0.5, self.values.height);
+        self.sample(&self.values, x, y)
+    }
+
+    /// The second answer at a position, as [`ActivationMap::at`]; the first one where there is no other.
+    #[must_use]
+    pub fn lasting_at(&self, x: f32, y: f32) -> f32 {
+        self.sample(self.lasting.as_ref().unwrap_or(&self.values), x, y)
+    }
+
+    fn sample(&self, values: &Raster<f32>, x: f32, y: f32) -> f32 {
+        let (x0, x1, dx) = between((x + 0.5) * self.columns_per_pixel - 0.5, values.width);
+        let (y0, y1, dy) = between((y + 0.5) * self.rows_per_pixel - 0.5, values.height);
         let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-        let upper = mix(self.values.at(x0, y0), self.values.at(x1, y0), dx);
-        let lower = mix(self.values.at(x0, y1), self.values.at(x1, y1), dx);
+        let upper = mix(values.at(x0, y0), values.at(x1, y0), dx);
+        let lower = mix(values.at(x0, y1), values.at(x1, y1), dx);
         mix(upper, lower, dy)
     }
+}
+
+/// Values between 0 and 1; `None` where there are none or one of them is not a number.
+fn clamped(mut values: Raster<f32>) -> Option<Raster<f32>> {
+    values.data.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
+    let is_sound = !values.data.is_empty() && !values.data.iter().any(|v| v.is_nan());
+    is_sound.then_some(values)
 }
 
 /// The indices on both sides of a position among `len` values, and how far it is from the first to the second.
@@ -109,6 +147,19 @@ mod tests {
         assert!(ActivationMap::new(Raster::new(2, 2, f32::NAN), 10, 10).is_none());
         let clamped = ActivationMap::new(Raster::new(2, 2, 7.0), 10, 10).unwrap();
         assert_eq!(clamped.at(3.0, 3.0), 1.0);
+        assert!(ok_map().with_lasting(Raster::new(2, 1, 0.5)).is_none(), "another size");
+        assert!(ok_map().with_lasting(Raster::new(2, 2, f32::NAN)).is_none());
+    }
+
+    fn ok_map() -> ActivationMap {
+        ActivationMap::new(Raster::new(2, 2, 0.75), 10, 10).unwrap()
+    }
+
+    #[test]
+    fn the_first_answer_stands_for_both_where_there_is_no_second() {
+        assert_eq!((ok_map().at(3.0, 3.0), ok_map().lasting_at(3.0, 3.0)), (0.75, 0.75));
+        let both = ok_map().with_lasting(Raster::new(2, 2, 0.25)).unwrap();
+        assert_eq!((both.at(3.0, 3.0), both.lasting_at(3.0, 3.0)), (0.75, 0.25));
     }
 
     proptest! {

@@ -4,6 +4,7 @@ use crate::activation::{ActivationError, ActivationMap, ActivationSource};
 use crate::config::ExtractorConfig;
 use crate::depth::DepthConfig;
 use crate::extractor::{Extractor, Selected};
+use crate::follow::Evaluated;
 use crate::frame::{Frame, Rig};
 use crate::keypoint::{Features, Keypoint};
 use crate::mask::FeatureMask;
@@ -26,8 +27,16 @@ pub struct FrameBuilder {
     selection: Option<Selection>,
 }
 
-/// How features are selected, and what by.
-type Selection = (SelectionConfig, Arc<dyn ActivationSource>);
+/// How features are selected.
+#[derive(Debug)]
+struct Selection {
+    config: SelectionConfig,
+    source: Arc<dyn ActivationSource>,
+    /// Frames from one evaluation of the source to the next.
+    every: u32,
+    /// The last one, if there are frames between.
+    last: Option<Evaluated>,
+}
 
 /// A frame, with the activation map of its (left) image if features are selected by one.
 pub type BuiltFrame = (Frame, Option<ActivationMap>);
@@ -49,10 +58,13 @@ impl FrameBuilder {
     }
 
     /// From now on keeps of the features only those that `config` selects by the activation maps of `source`; the number
-    /// of the extractor's settings is that of the candidates.
+    /// of the extractor's settings is that of the candidates. Frames between two evaluations of the source take over its
+    /// last map, moved with the image; they are found by the numbers of the frames, so that equal frames in equal order give
+    /// equal bits.
     #[must_use]
     pub fn with_selection(mut self, config: SelectionConfig, source: Arc<dyn ActivationSource>) -> Self {
-        self.selection = Some((config, source));
+        let every = self.extractor.config().network_every.max(1);
+        self.selection = Some(Selection { config, source, every, last: None });
         self
     }
 
@@ -96,7 +108,7 @@ impl FrameBuilder {
         let scales = Arc::clone(extractor.scales());
         let same_size = left.width == right.width && left.height == right.height;
         let (extracted, ()) = rayon::join(
-            || extract(extractor, selection.as_ref(), left),
+            || extract(extractor, selection.as_mut(), index, left),
             || {
                 if same_size {
                     right_pyramid.build(Simd::detect(), &scales, right)
@@ -132,7 +144,7 @@ impl FrameBuilder {
         gray: &GrayImage,
         depth: &DepthImage,
     ) -> Result<BuiltFrame, ActivationError> {
-        let extracted = extract(&mut self.extractor, self.selection.as_ref(), gray)?;
+        let extracted = extract(&mut self.extractor, self.selection.as_mut(), index, gray)?;
         let depths: Vec<_> =
             extracted.features.keypoints.iter().map(|k| self.depth.depth_at(depth, k)).collect();
         let extracted = extracted.undistorted(&self.rig);
@@ -153,41 +165,65 @@ impl FrameBuilder {
         timestamp_s: f64,
         gray: &GrayImage,
     ) -> Result<BuiltFrame, ActivationError> {
-        let extracted = extract(&mut self.extractor, self.selection.as_ref(), gray)?;
+        let extracted = extract(&mut self.extractor, self.selection.as_mut(), index, gray)?;
         let extracted = extracted.undistorted(&self.rig);
         let right_u = vec![f32::NAN; extracted.features.keypoints.len()];
         Ok(self.frame(index, timestamp_s, extracted, right_u))
     }
 
     fn frame(&self, index: u32, timestamp_s: f64, extracted: Extracted, right_u: Vec<f32>) -> BuiltFrame {
-        let Extracted { features, activation, map } = extracted;
+        let Extracted { features, activation, lasting, map } = extracted;
         let (rig, scales) = (Arc::clone(&self.rig), Arc::clone(self.extractor.scales()));
         let mut frame = Frame::new(index, timestamp_s, rig, scales, features, right_u);
-        frame.activation = activation;
+        (frame.activation, frame.lasting) = (activation, lasting);
         (frame, map)
     }
 }
 
-/// The features of an image, how far each is trusted, and the map that says so.
+/// The features of an image, how far each is trusted now and another day, and the map that says so.
 struct Extracted {
     features: Features,
     activation: Vec<f32>,
+    lasting: Vec<f32>,
     map: Option<ActivationMap>,
 }
 
 /// The features of an image, selected if there is a selection; without one each has the activation 1.
 fn extract(
     extractor: &mut Extractor,
-    selection: Option<&Selection>,
+    selection: Option<&mut Selection>,
+    index: u32,
     image: &GrayImage,
 ) -> Result<Extracted, ActivationError> {
-    let Some((config, source)) = selection else {
+    let Some(selection) = selection else {
         let features = extractor.extract(image);
-        let activation = vec![1.0; features.keypoints.len()];
-        return Ok(Extracted { features, activation, map: None });
+        let all = vec![1.0; features.keypoints.len()];
+        return Ok(Extracted { features, activation: all.clone(), lasting: all, map: None });
     };
-    let Selected { features, activation, map } = extractor.extract_selected(image, config, &**source)?;
-    Ok(Extracted { features, activation, map: Some(map) })
+    let Selected { features, activation, lasting, map } = selection.select(extractor, index, image)?;
+    Ok(Extracted { features, activation, lasting, map: Some(map) })
+}
+
+impl Selection {
+    /// Selects by an evaluation of the source, if one is due, else by the last one.
+    fn select(
+        &mut self,
+        extractor: &mut Extractor,
+        index: u32,
+        image: &GrayImage,
+    ) -> Result<Selected, ActivationError> {
+        if let Some(last) = self.last.as_ref().filter(|last| index.wrapping_sub(last.index) < self.every) {
+            extractor.detect(image);
+            let moved = extractor.pyramid().levels().last().and_then(|level| last.moved_to(level));
+            if let Some(map) = moved {
+                return Ok(extractor.keep(map, &self.config, image));
+            }
+        }
+        let selected = extractor.extract_selected(image, &self.config, &*self.source)?;
+        let coarsest = extractor.pyramid().levels().last().filter(|_| self.every > 1);
+        self.last = coarsest.map(|level| Evaluated::new(index, selected.map.clone(), level));
+        Ok(selected)
+    }
 }
 
 /// A disparity with its offset; NaN when nothing above zero is left.

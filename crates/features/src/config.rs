@@ -22,6 +22,10 @@ pub struct ExtractorConfig {
     pub spread: Spread,
     /// Threads of the network; no result depends on them.
     pub network_threads: usize,
+    /// How large it sees the image.
+    pub network_size: NetworkSize,
+    /// Frames from one of its evaluations to the next; between them its answers move with the image.
+    pub network_every: u32,
     /// Pyramid levels.
     pub levels: usize,
     /// Ratio between levels.
@@ -43,11 +47,38 @@ impl Default for ExtractorConfig {
             candidates: 2000,
             spread: Spread::Cells,
             network_threads: 1,
+            network_size: NetworkSize::Large,
+            network_every: 1,
             levels: 8,
             scale_factor: 1.2,
             fast_initial: 20,
             fast_minimum: 7,
             subpixel: true,
+        }
+    }
+}
+
+/// How large a network sees an image whose size it leaves open; the proportions are the image's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NetworkSize {
+    /// As many pixels as 416 x 128.
+    #[default]
+    Large,
+    /// As many pixels as 320 x 96, for small computers.
+    Small,
+}
+
+impl NetworkSize {
+    /// Their words in the configuration.
+    pub const WORDS: &[&str] = &["large", "small"];
+
+    /// Number of pixels.
+    #[must_use]
+    pub fn pixels(self) -> usize {
+        match self {
+            NetworkSize::Large => 416 * 128,
+            NetworkSize::Small => 320 * 96,
         }
     }
 }
@@ -60,6 +91,8 @@ impl Section for ExtractorConfig {
         choice("features.selection", SelectionRule::WORDS, "criterion by which keypoints are kept; the first two need ONNX Runtime"),
         integer("features.candidates", "", [50, 100_000], "keypoints from which activation or semantic choose").expert(),
         choice("features.spread", Spread::WORDS, "where activation or semantic keep the best: in each cell, or anywhere in the image").expert(),
+        choice("features.network_size", NetworkSize::WORDS, "pixels of the network's input: as many as 416 x 128, or as 320 x 96").expert(),
+        integer("features.network_every", "frames", [1, 10], "frames from one evaluation of the network to the next; between them its answers move with the image").expert(),
         integer("features.network_threads", "", [1, 64], "threads of the network; results do not depend on it").expert(),
         integer("features.levels", "", [1, 16], "levels of the image pyramid").expert(),
         real("features.scale_factor", "", between(1.01, 2.0), "size ratio of neighboring pyramid levels").expert(),

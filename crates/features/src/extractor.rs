@@ -50,6 +50,8 @@ pub struct Selected {
     pub features: Features,
     /// Activation of each, 0 to 1.
     pub activation: Vec<f32>,
+    /// Second answer at each, 0 to 1: whether it will be there another day.
+    pub lasting: Vec<f32>,
     /// What the source thinks of the image.
     pub map: ActivationMap,
 }
@@ -108,20 +110,34 @@ impl Extractor {
         source: &dyn ActivationSource,
     ) -> Result<Selected, ActivationError> {
         let (map, ()) = rayon::join(|| source.activation(image), || self.detect(image));
-        let map = map?;
-        let activation = self.select(&map, selection, (image.width, image.height));
+        Ok(self.keep(map?, selection, image))
+    }
+
+    /// Selects among the candidates of `image`, which are in the workers, and describes those kept.
+    pub(crate) fn keep(
+        &mut self,
+        map: ActivationMap,
+        selection: &SelectionConfig,
+        image: &GrayImage,
+    ) -> Selected {
+        let [activation, lasting] = self.select(&map, selection, (image.width, image.height));
         self.on_levels(|worker, level| worker.describe(&level));
-        Ok(Selected { features: self.collect(), activation, map })
+        Selected { features: self.collect(), activation, lasting, map }
     }
 
     /// Leaves the candidates of `image` in the workers.
-    fn detect(&mut self, image: &GrayImage) {
+    pub(crate) fn detect(&mut self, image: &GrayImage) {
         self.pyramid.build(self.simd, &self.scales, image);
         self.on_levels(|worker, level| worker.detect(&level));
     }
 
-    /// Reduces the candidates to those kept; returns the activation of each, by octave, row, column.
-    fn select(&mut self, map: &ActivationMap, config: &SelectionConfig, size: (usize, usize)) -> Vec<f32> {
+    /// Reduces the candidates to those kept; returns both answers at each, by octave, row, column.
+    fn select(
+        &mut self,
+        map: &ActivationMap,
+        config: &SelectionConfig,
+        size: (usize, usize),
+    ) -> [Vec<f32>; 2] {
         let n_levels = self.pyramid.levels().len();
         let workers = &mut self.workers[..n_levels];
         let mut contenders = Vec::new();
@@ -132,12 +148,16 @@ impl Extractor {
                 Contender { x, y, response: corner.score }
             }));
         }
-        let (kept, activation) = select(&contenders, map, config, size);
+        let kept = select(&contenders, map, config, size);
+        let at_kept = |answer: fn(&ActivationMap, f32, f32) -> f32| -> Vec<f32> {
+            kept.iter().map(|&i| answer(map, contenders[i].x, contenders[i].y)).collect()
+        };
+        let answers = [at_kept(ActivationMap::at), at_kept(ActivationMap::lasting_at)];
         let mut is_kept = vec![false; contenders.len()];
         kept.iter().for_each(|&i| is_kept[i] = true);
         let mut is_kept = is_kept.into_iter();
         workers.iter_mut().for_each(|worker| worker.kept.retain(|_| is_kept.next() == Some(true)));
-        activation
+        answers
     }
 
     /// Does `work` on each level, in parallel.
@@ -165,6 +185,11 @@ impl Extractor {
             features.descriptors.extend_from_slice(&worker.features.descriptors);
         }
         features
+    }
+
+    /// The settings.
+    pub(crate) fn config(&self) -> &ExtractorConfig {
+        &self.config
     }
 
     /// The pyramid of the last image.

@@ -94,8 +94,10 @@ pub struct Frame {
     pub right_u: Vec<f32>,
     /// Depth along z in meters; NaN when unknown.
     pub depth: Vec<f32>,
-    /// Trust in each feature, 1 when nothing is known.
+    /// Trust that each feature stays where it is now, 1 when nothing is known.
     pub activation: Vec<f32>,
+    /// Trust that it will be there another day, 1 when nothing is known.
+    pub lasting: Vec<f32>,
     bounds: Bounds,
     grid: Grid,
 }
@@ -121,7 +123,7 @@ impl Frame {
         let depth = keypoints.iter().zip(&right_u).map(|(k, u)| bf / (k.x - u)).collect();
         let bounds = rig.undistorted_bounds();
         let grid = Grid::new(bounds, &keypoints, &right_u);
-        let activation = vec![1.0; keypoints.len()];
+        let all = vec![1.0; keypoints.len()];
         Self {
             index,
             timestamp_s,
@@ -131,7 +133,8 @@ impl Frame {
             descriptors,
             right_u,
             depth,
-            activation,
+            activation: all.clone(),
+            lasting: all,
             bounds,
             grid,
         }

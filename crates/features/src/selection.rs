@@ -19,7 +19,8 @@ const STEPS: f32 = 4.0;
 pub enum SelectionRule {
     /// The highest activation, in steps of a quarter, and of equal steps the strongest response.
     Activation,
-    /// Places on anything that may move are excluded (activation below one half); of the rest the strongest responses are kept.
+    /// Places on anything that may move, now or another day, are excluded (second answer below one half); of the rest the strongest
+    /// responses are kept.
     Semantic,
     /// No network: the strongest response, spread over the image as the extractor does it.
     Response,
@@ -69,7 +70,7 @@ pub struct Contender {
     pub response: u8,
 }
 
-/// The contenders kept, as ascending indices, and the activation of each of them.
+/// The contenders kept, as ascending indices.
 ///
 /// Under [`SelectionRule::Activation`] places below `TRUSTED` get a part of what is kept as large as their part of the sum of all
 /// activations, and more only where there are too few trusted ones: near hedges and parked cars say much about the motion of the
@@ -82,8 +83,12 @@ pub fn select(
     map: &ActivationMap,
     config: &SelectionConfig,
     size: (usize, usize),
-) -> (Vec<usize>, Vec<f32>) {
-    let activation: Vec<f32> = contenders.iter().map(|c| map.at(c.x, c.y)).collect();
+) -> Vec<usize> {
+    let trust = |c: &Contender| match config.rule {
+        SelectionRule::Semantic => map.lasting_at(c.x, c.y),
+        SelectionRule::Activation | SelectionRule::Response => map.at(c.x, c.y),
+    };
+    let activation: Vec<f32> = contenders.iter().map(trust).collect();
     let step = |i: usize| match config.rule {
         SelectionRule::Activation => (activation[i] * STEPS) as u8,
         SelectionRule::Semantic | SelectionRule::Response => 0,
@@ -108,8 +113,7 @@ pub fn select(
     let mut kept: Vec<usize> = best(&trusted, config.keep - n_others);
     kept.extend(best(&others, n_others));
     kept.sort_unstable();
-    let activation = kept.iter().map(|&i| activation[i]).collect();
-    (kept, activation)
+    kept
 }
 
 /// At most `keep` of `ranked`, best first: the best of each cell, then the second of each, and so on.

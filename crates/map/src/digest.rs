@@ -62,7 +62,9 @@ impl Hasher {
             bits.into_iter().chain([u64::from(k.octave)]).for_each(|w| self.word(w));
         }
         frame.descriptors.iter().flat_map(|d| d.0).for_each(|w| self.word(w));
-        [&frame.right_u, &frame.depth, &frame.activation].into_iter().for_each(|v| self.floats(v));
+        [&frame.right_u, &frame.depth, &frame.activation, &frame.lasting]
+            .into_iter()
+            .for_each(|v| self.floats(v));
     }
 
     fn keyframe(&mut self, keyframe: &Keyframe) {
@@ -92,6 +94,7 @@ impl Hasher {
         self.id(Some(point.created_by));
         self.word(u64::from(point.seen));
         self.word(u64::from(point.found));
+        self.word(u64::from(point.belief as u32));
         self.word(point.observations().len() as u64);
         for o in point.observations() {
             self.id(Some(o.keyframe));

@@ -45,7 +45,7 @@ pub fn encode(map: &Map, info: &MapFileInfo) -> Vec<u8> {
 /// encoded, so that mutations go on as they would have.
 ///
 /// # Errors
-/// The bytes are not a map file, truncated, damaged, of a newer version, or hold an inconsistent map.
+/// The bytes are not a map file, truncated, damaged, of another version, or hold an inconsistent map.
 pub fn decode(bytes: &[u8]) -> Result<(Map, MapFileInfo), MapFileError> {
     let (info, content) = container::open(bytes)?;
     Ok((read::map_of(&content)?, info))
@@ -54,7 +54,7 @@ pub fn decode(bytes: &[u8]) -> Result<(Map, MapFileInfo), MapFileError> {
 /// The description of a map file, without its map; the bytes are checked for damage all the same.
 ///
 /// # Errors
-/// The bytes are not a map file, truncated, damaged, or of a newer version.
+/// The bytes are not a map file, truncated, damaged, or of another version.
 pub fn read_info(bytes: &[u8]) -> Result<MapFileInfo, MapFileError> {
     container::read_info(bytes)
 }

@@ -9,7 +9,9 @@ use crate::covisibility::CovisibilityChange;
 use crate::derived::{representative_descriptor, viewing_geometry};
 use crate::ids::Id;
 use crate::validate::{find_twice, is_sane, valid_pose};
-use crate::{Keyframe, KeyframeId, Map, MapError, MapPoint, Observation, PROBATION_KEYFRAMES, PointId};
+use crate::{
+    FIRST_BELIEF, Keyframe, KeyframeId, Map, MapError, MapPoint, Observation, PROBATION_KEYFRAMES, PointId,
+};
 
 /// What to insert at once: a keyframe, new points, or both.
 #[derive(Clone, Default)]
@@ -194,6 +196,7 @@ impl Map {
             created_by,
             seen: 0,
             found: 0,
+            belief: FIRST_BELIEF,
             observations,
         })
     }

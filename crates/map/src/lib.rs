@@ -60,7 +60,7 @@ pub use insert::{Batch, Inserted, NewKeyframe, NewPoint, Parent};
 pub use keyframe::Keyframe;
 pub use map::{Map, PROBATION_KEYFRAMES};
 pub use observations::PointFate;
-pub use point::{MapPoint, Observation, PointCount};
+pub use point::{FIRST_BELIEF, MAX_BELIEF, MapPoint, Observation, PointCount};
 pub use relative_pose::RelativePose;
 pub use remove::Removed;
 pub use validate::{MAX_COORDINATE_M, ROTATION_TOLERANCE};

@@ -1,7 +1,7 @@
 //! `link`, `unlink`, `merge_points`, `remove_point`, `count`, and the primitives that all mutations share.
 
 use crate::covisibility::CovisibilityChange;
-use crate::{KeyframeId, Map, MapError, Observation, PointCount, PointId};
+use crate::{FIRST_BELIEF, KeyframeId, Map, MapError, Observation, PointCount, PointId};
 
 /// Outcome for a point that lost an observation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ impl Map {
     }
 
     /// Makes two points one: `keep` takes over the observations of `drop` in keyframes that do not observe it yet, the
-    /// others end. Position, reference and age stay those of `keep`, statistics are added up, and
+    /// others end. Position, reference and age stay those of `keep`, statistics and beliefs are added up, and
     /// [`resolve`](Map::resolve) leads from `drop` to `keep`.
     ///
     /// # Errors
@@ -98,6 +98,7 @@ impl Map {
                 let point = self.points.live_mut(id);
                 point.seen = point.seen.saturating_add(c.seen);
                 point.found = point.found.saturating_add(c.found);
+                point.believe(c.evidence);
             }
         }
         self.revision += 1;
@@ -173,5 +174,6 @@ impl Map {
         let point = self.points.live_mut(keep);
         point.seen = point.seen.saturating_add(dropped.seen);
         point.found = point.found.saturating_add(dropped.found);
+        point.believe(dropped.belief - FIRST_BELIEF);
     }
 }

@@ -5,6 +5,12 @@ use geometry::Vec3;
 
 use crate::{KeyframeId, PointId};
 
+/// Largest belief in either direction, thousandths of log-odds: one in 400 is left to doubt, and a point that begins to move is
+/// soon known to.
+pub const MAX_BELIEF: i32 = 6000;
+/// Belief in a new point: seven of eight stand still.
+pub const FIRST_BELIEF: i32 = 2000;
+
 /// A feature of a keyframe that shows a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Observation {
@@ -23,6 +29,8 @@ pub struct PointCount {
     pub seen: u32,
     /// Number of frames in which it was matched.
     pub found: u32,
+    /// What that says of its belief, thousandths of log-odds.
+    pub evidence: i32,
 }
 
 /// A point of the map. Descriptor, normal and distances are kept fresh by the mutations.
@@ -48,10 +56,22 @@ pub struct MapPoint {
     pub seen: u32,
     /// Number of frames in which it was matched.
     pub found: u32,
+    /// Belief that it stands still: log-odds of all evidence so far, thousandths, between -[`MAX_BELIEF`] and [`MAX_BELIEF`].
+    pub belief: i32,
     pub(crate) observations: Vec<Observation>,
 }
 
 impl MapPoint {
+    /// Probability that it stands still, of all that is known.
+    pub fn trust(&self) -> f64 {
+        1.0 / (1.0 + (-f64::from(self.belief) / 1000.0).exp())
+    }
+
+    /// Adds evidence, thousandths of log-odds.
+    pub(crate) fn believe(&mut self, evidence: i32) {
+        self.belief = self.belief.saturating_add(evidence).clamp(-MAX_BELIEF, MAX_BELIEF);
+    }
+
     /// Every observation, in order of the keyframe ids; at most one per keyframe.
     pub fn observations(&self) -> &[Observation] {
         &self.observations

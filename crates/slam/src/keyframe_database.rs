@@ -16,7 +16,7 @@ const CHUNK: usize = 64;
 pub struct KeyframeDatabase {
     /// Without one, no place is ever recognized.
     vocabulary: Option<Arc<Vocabulary>>,
-    /// Whether bag-of-words entries are weighted by activation.
+    /// Whether bag-of-words entries count as far as features will be there another day.
     weighted: bool,
     index: PlaceIndex,
     /// By id of the keyframe; `None` for keyframes that do not exist.
@@ -44,7 +44,7 @@ impl KeyframeDatabase {
         KeyframeDatabase { vocabulary, ..KeyframeDatabase::default() }
     }
 
-    /// The same, features of what is added from now on weighted by their activation if `weighted`.
+    /// The same; features of what is added from now on count as far as they will be there another day if `weighted`.
     #[must_use]
     pub fn weighted(self, weighted: bool) -> Self {
         KeyframeDatabase { weighted, ..self }
@@ -57,9 +57,10 @@ impl KeyframeDatabase {
         self
     }
 
-    /// Vector and direct index of a frame, features weighted by their activation if that counts; `None` without a vocabulary.
+    /// Vector and direct index of a frame, features weighted by what the network says of another day if that counts; `None`
+    /// without a vocabulary.
     pub fn describe(&self, frame: &Frame) -> Option<Transformed> {
-        let weights = self.weighted.then_some(&frame.activation[..]);
+        let weights = self.weighted.then_some(&frame.lasting[..]);
         self.vocabulary.as_ref().map(|v| v.transform(&frame.descriptors, weights))
     }
 

@@ -58,7 +58,7 @@ pub(crate) fn refine(
     RefinedPose { cam_from_world, inliers }
 }
 
-/// Pose by P3P and RANSAC, samples and scores weighted by the features' activation if that counts.
+/// Pose by P3P and RANSAC, samples and scores weighted by the features' activation and the belief in their points if that counts.
 pub(crate) fn pose_by_ransac(
     frame: &Frame,
     map: &Map,
@@ -76,7 +76,7 @@ pub(crate) fn pose_by_ransac(
         pixels.push(frame.pixel(i));
         points.push(point.position);
         thresholds_sq.push(CHI2_MONO / frame.inv_sigma_sq(i));
-        trust.push(weights.of_sample(frame, i));
+        trust.push(weights.of_sample(frame, i) * weights.of_point(point));
     }
     let estimator = PnpEstimator::new(frame.rig.stereo.camera, &pixels, &points, &thresholds_sq);
     let options = RansacOptions { max_iterations: 300, confidence: 0.99, seed, ..RansacOptions::default() };

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use bow::Vocabulary;
-use dsfeat::{Model, Network};
+use dsfeat::Network;
 use features::ExtractorConfig;
 use io::open_sequence;
 
@@ -39,14 +39,14 @@ pub struct Settings {
 
 /// Reads a configuration: a file (else the defaults), and what is overridden in it, `key=value`.
 pub type ReadSettings = dyn Fn(Option<&Path>, &[String]) -> Result<Settings>;
-/// Opens a network: the file of a model, else the built-in model; ONNX Runtime's library; threads.
-pub type OpenNetwork = dyn Fn(Model, Option<&Path>, Option<&Path>, usize) -> Result<Network>;
+/// Opens a network: the file of a model, else the built-in one; ONNX Runtime's library; the section `features`.
+pub type OpenNetwork = dyn Fn(Option<&Path>, Option<&Path>, &ExtractorConfig) -> Result<Network>;
 
 /// What place recognition takes from the program around it, which knows how a configuration becomes a run.
 pub struct Host<'a> {
     /// Reads a configuration: a file (else the defaults), and what is overridden in it, `key=value`.
     pub settings: &'a ReadSettings,
-    /// Opens a network: the file of a model, else the built-in model; ONNX Runtime's library; threads.
+    /// Opens a network: the file of a model, else the built-in one; ONNX Runtime's library; the section `features`.
     pub network: &'a OpenNetwork,
     /// Opens a vocabulary: a file, else the built-in one.
     pub vocabulary: &'a dyn Fn(Option<&Path>) -> Result<Arc<Vocabulary>>,

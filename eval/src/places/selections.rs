@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use bow::{Transformed, Vocabulary};
-use dsfeat::{Model, Network};
+use dsfeat::Network;
 use features::{
     ActivationMap, Contender, Descriptor, Extractor, ExtractorConfig, SelectionConfig, SelectionRule, Spread,
     select,
@@ -19,8 +19,8 @@ use super::{Host, Settings};
 /// Turns an image into what each selection keeps of it.
 pub(super) struct Describer {
     selections: Vec<(Selection, SelectionConfig)>,
-    /// By selection; `trad` needs none.
-    networks: Vec<Option<Network>>,
+    /// `trad` needs none.
+    network: Option<Network>,
     extractor: Extractor,
     dense: Option<DenseNetwork>,
     words: Words,
@@ -29,7 +29,7 @@ pub(super) struct Describer {
 /// How images are put into words.
 struct Words {
     vocabulary: Arc<Vocabulary>,
-    /// Whether a word counts as far as its features are trusted.
+    /// Whether a word counts as far as its features will be there another day.
     weighted: bool,
 }
 
@@ -44,18 +44,12 @@ impl Describer {
         selections: &[Selection],
         host: &Host<'_>,
     ) -> Result<Self> {
-        let open = |selection: &Selection| {
-            let model = match selection {
-                Selection::Trad => return Ok(None),
-                Selection::Seman => Model::Semantic,
-                Selection::Ours => Model::Hybrid,
-            };
-            // A model of one's own takes the place of the hybrid one.
-            let own = args.dsfeat_model.as_deref().filter(|_| model == Model::Hybrid);
-            (host.network)(model, own, args.onnxruntime.as_deref(), settings.features.network_threads)
-                .map(Some)
+        let open = || {
+            let (file, library) = (args.dsfeat_model.as_deref(), args.onnxruntime.as_deref());
+            (host.network)(file, library, &settings.features)
         };
-        let networks = selections.iter().map(open).collect::<Result<_>>()?;
+        let needed = selections.iter().any(|selection| *selection != Selection::Trad);
+        let network = needed.then(open).transpose()?;
         let dense = match &args.features_model {
             None => None,
             Some(file) => {
@@ -81,7 +75,7 @@ impl Describer {
         let selections = selections.iter().map(rule).collect();
         let vocabulary = (host.vocabulary)(args.vocab.as_deref())?;
         let words = Words { vocabulary, weighted: settings.weighs_words };
-        Ok(Self { selections, networks, extractor, dense, words })
+        Ok(Self { selections, network, extractor, dense, words })
     }
 
     /// How many selections there are.
@@ -96,10 +90,11 @@ impl Describer {
     pub(super) fn describe(&mut self, image: &GrayImage) -> Result<Vec<Sight>> {
         let dense = self.dense.as_mut().map(|network| network.describe(image)).transpose()?;
         let mut sights = Vec::with_capacity(self.selections.len());
-        for ((_, config), network) in self.selections.iter().zip(&mut self.networks) {
-            let map = match network {
-                Some(network) => network.activation(image)?,
-                None => everywhere(image)?,
+        let answers = self.network.as_ref().map(|network| network.answers(image)).transpose()?;
+        for (_, config) in &self.selections {
+            let map = match &answers {
+                Some(answers) if config.rule != SelectionRule::Response => answers.map.clone(),
+                _ => everywhere(image)?,
             };
             sights.push(match &dense {
                 None => sparse(&mut self.extractor, image, &map, config, &self.words)?,
@@ -111,8 +106,8 @@ impl Describer {
 }
 
 impl Words {
-    fn of(&self, descriptors: &[Descriptor], activation: &[f32]) -> Transformed {
-        self.vocabulary.transform(descriptors, self.weighted.then_some(activation))
+    fn of(&self, descriptors: &[Descriptor], lasting: &[f32]) -> Transformed {
+        self.vocabulary.transform(descriptors, self.weighted.then_some(lasting))
     }
 }
 
@@ -125,15 +120,15 @@ fn learned(
 ) -> Sight {
     let contender = |k: &DenseKeypoint| Contender { x: k.x, y: k.y, response: (k.score * 255.0) as u8 };
     let contenders: Vec<Contender> = features.keypoints.iter().map(contender).collect();
-    let (kept, activation) = select(&contenders, map, config, size);
+    let kept = select(&contenders, map, config, size);
     let trusted = |x: f32, y: f32| match config.rule {
         SelectionRule::Activation => map.at(x, y),
-        SelectionRule::Semantic => f32::from(u8::from(map.at(x, y) >= 0.5)),
+        SelectionRule::Semantic => f32::from(u8::from(map.lasting_at(x, y) >= 0.5)),
         SelectionRule::Response => 1.0,
     };
     Sight {
         pixels: kept.iter().map(|&i| pixel(contenders[i].x, contenders[i].y)).collect(),
-        trust: activation.into_iter().map(f64::from).collect(),
+        trust: kept.iter().map(|&i| f64::from(map.at(contenders[i].x, contenders[i].y))).collect(),
         look: Look::Dense {
             descriptors: kept.iter().map(|&i| features.keypoints[i].descriptor).collect(),
             mean: Box::new(features.weighted_mean(trusted)),
@@ -149,8 +144,9 @@ fn sparse(
     config: &SelectionConfig,
     words: &Words,
 ) -> Result<Sight> {
-    let features::Selected { features, activation, .. } = extractor.extract_selected(image, config, map)?;
-    let described = words.of(&features.descriptors, &activation);
+    let features::Selected { features, activation, lasting, .. } =
+        extractor.extract_selected(image, config, map)?;
+    let described = words.of(&features.descriptors, &lasting);
     Ok(Sight {
         pixels: features.keypoints.iter().map(|k| pixel(k.x, k.y)).collect(),
         trust: activation.into_iter().map(f64::from).collect(),

@@ -27,12 +27,12 @@ fn zoom_for(width: usize) -> usize {
 }
 
 /// Prints a named row.
-fn row(name: &str, value: &str) {
+pub(crate) fn row(name: &str, value: &str) {
     console::say(format!("{name:<12}{value}"));
 }
 
 /// Writes the picture and says so.
-fn save(file: &Path, picture: &Canvas) -> Result<Exit, Failure> {
+pub(crate) fn save(file: &Path, picture: &Canvas) -> Result<Exit, Failure> {
     io::create_output_folder(folder_of(file)).or_output()?;
     io::save_png_rgb(file, &picture.image).or_output()?;
     row("picture", &format!("{} ({}x{})", file.display(), picture.image.width, picture.image.height));

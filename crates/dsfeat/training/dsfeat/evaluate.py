@@ -1,7 +1,7 @@
 """Evaluates a model: IoU and pixel AUC on road scenes; moving, parked and still surfaces on rendered towns.
 
-    python -m dsfeat.evaluate --model ../models/dsfeat_hybrid.onnx --cache CACHE --json metrics.json
-    python -m dsfeat.evaluate --two --model ../models/dsfeat_two.onnx --cache CACHE --json metrics.json
+    python -m dsfeat.evaluate --model hybrid.onnx --cache CACHE --json metrics.json
+    python -m dsfeat.evaluate --two --model ../models/dsfeat.onnx --cache CACHE --json metrics.json
 
 With `--two` the sets of `dsfeat.streets` are judged: classes by the second answer, states of real vehicles by the first.
 
@@ -23,6 +23,7 @@ from .data import DYNAMIC, STATIC, TOWN_MOVING, TOWN_PARKED, TOWN_STILL, Scenes,
 from .metrics import Tally
 from .network import DSFeat, restored
 from .triplets import VEHICLES
+from .two_answers import PIXELS
 
 #: Activation maps [B, 48, 160] of images [B, 1, 96, 320].
 Predict = Callable[[np.ndarray], np.ndarray]
@@ -140,9 +141,9 @@ def evaluate_two(args: argparse.Namespace) -> dict[str, dict[str, float]]:
     from .train_two import starting
 
     if args.model.suffix == ".pt":
-        predict = two_evaluate.predictor(starting(args.model), tuple(args.size), known=not args.all_known)
+        predict = two_evaluate.predictor(starting(args.model), PIXELS[args.size], known=not args.all_known)
     else:
-        predict = two_evaluate.onnx_predictor(args.model)
+        predict = two_evaluate.onnx_predictor(args.model, PIXELS[args.size])
     if args.hidden:
         return {"kitti_semantics5": two_evaluate.hidden(predict, args.training)}
     return two_evaluate.evaluate(predict, args.cache, args.third)
@@ -154,7 +155,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="file to write the numbers to")
     parser.add_argument("--two", action="store_true", help="a network with two answers (`dsfeat.train_two`)")
     parser.add_argument("--third", type=int, choices=(0, 1, 2), help="with --two: judge this third of the drives, not trained on")
-    parser.add_argument("--size", type=int, nargs=2, default=(128, 416), help="with --two: rows and columns for a checkpoint")
+    parser.add_argument("--size", choices=sorted(PIXELS), default="large", help="with --two: the preset")
     parser.add_argument("--all-known", action="store_true", help="with --two: a checkpoint without a fit of `known`")
     parser.add_argument("--hidden", action="store_true", help="with --two: only the test frames `kitti_semantics5`")
     add_folders(parser)

@@ -17,7 +17,7 @@ from torch.nn import functional as F
 from . import streets
 from .data import add_folders, need, read_grey
 from .train_two import starting
-from .two_answers import SCENE, SIZES, TwoAnswers
+from .two_answers import SCENE, TwoAnswers, size_for
 from .views import light, view, whole
 
 #: Sets of known scenes; those of the second line only measure.
@@ -30,13 +30,14 @@ STEPS, WEIGHT = 400, 2.0
 
 
 def features(network: TwoAnswers, images: list[np.ndarray]) -> torch.Tensor:
-    """Scene features [N, 112] of float32 images of one size."""
-    found = []
+    """Scene features [N, 112] of float32 images."""
     with torch.no_grad():
-        for start in range(0, len(images), 8):
-            shown = torch.from_numpy(np.stack(images[start : start + 8]))[:, None]
-            found.append(network.scene(shown.contiguous(memory_format=torch.channels_last)).flatten(1))
-    return torch.cat(found)
+        return torch.cat([network.scene(torch.from_numpy(image)[None, None]).flatten(1) for image in images])
+
+
+def fed(image: np.ndarray) -> np.ndarray:
+    """The whole of a uint8 image as the program feeds it."""
+    return whole(image, size_for(image.shape[1] / image.shape[0]))
 
 
 def known_views(rng: np.random.Generator, cache: Path, each: int, names: tuple[str, ...], changed: bool) -> list[np.ndarray]:
@@ -44,19 +45,16 @@ def known_views(rng: np.random.Generator, cache: Path, each: int, names: tuple[s
     found = []
     for name in names:
         frames = streets.load(name, cache)
+        size = size_for(frames.aspect)
         for i in rng.permutation(len(frames))[:each]:
             image, codes = frames.images[i], frames.codes[i]
-            found.append(view(rng, image, codes, frames.aspect, SIZES["large"], 0.6, True).image if changed else whole(image, SIZES["large"]))
+            found.append(view(rng, image, codes, frames.aspect, size, 0.6, True).image if changed else whole(image, size))
     return found
 
 
 def turned(rng: np.random.Generator, images: list[np.ndarray]) -> list[np.ndarray]:
-    """Images on their head or on their side, of the same size."""
-    found = []
-    for image in images:
-        image = np.rot90(image, rng.integers(1, 4))
-        found.append(whole(np.rint(255 * image).astype(np.uint8), SIZES["large"]))
-    return found
+    """Images on their head or on their side."""
+    return [np.ascontiguousarray(np.rot90(image, rng.integers(1, 4))) for image in images]
 
 
 def strange_frames(folders: list[Path], most: int) -> dict[str, list[np.ndarray]]:
@@ -74,7 +72,7 @@ def strange_view(rng: np.random.Generator, image: np.ndarray) -> np.ndarray:
     rows, columns = image.shape
     y, x = (int(rng.uniform(0, 0.25) * n) for n in (rows, columns))
     part = image[y : y + int(rng.uniform(0.7, 1.0) * (rows - y)), x : x + int(rng.uniform(0.7, 1.0) * (columns - x))]
-    return light(rng, np.rint(255 * whole(part, SIZES["large"])).astype(np.uint8))
+    return light(rng, np.rint(255 * fed(part)).astype(np.uint8))
 
 
 def fit(network: TwoAnswers, known: torch.Tensor, strange: torch.Tensor) -> None:
@@ -131,7 +129,7 @@ def main() -> None:
     for name in MEASURED:
         report(network, name, features(network, known_views(rng, args.cache, 40, (name,), False)))
     for name, frames in held.items():
-        report(network, name, features(network, [whole(frame, SIZES["large"]) for frame in frames]))
+        report(network, name, features(network, [fed(frame) for frame in frames]))
 
 
 if __name__ == "__main__":

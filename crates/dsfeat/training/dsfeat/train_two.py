@@ -46,7 +46,7 @@ class Config:
     #: The rate is multiplied by 0.1 after these epochs.
     milestones: list[int] = field(default_factory=lambda: [20, 30, 40])
     #: Sizes (rows, columns) of a step's images, drawn with these shares.
-    sizes: list[list[float]] = field(default_factory=lambda: [[128, 416, 0.5], [96, 320, 0.25], [192, 192, 0.25]])
+    sizes: list[list[float]] = field(default_factory=lambda: [[128, 416, 0.55], [96, 320, 0.15], [160, 336, 0.15], [192, 272, 0.15]])
     #: Weight of the semantic loss: `decay ** epoch`, at least `floor`.
     decay: float = 0.9
     floor: float = 0.35

@@ -11,6 +11,7 @@ From them come the answers: `activation` = 1 - known * dynamic * moves, the pape
 Where the scene is not known both are 1: no opinion.
 """
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,8 +19,9 @@ import torch
 from torch import nn
 from torch.nn import functional as F
 
-#: Input (height, width) of both presets.
-SIZES = {"large": (128, 416), "small": (96, 320)}
+#: Pixels of the network's input in both presets; its sides are multiples of `UNIT` in the image's own proportions.
+PIXELS = {"large": 128 * 416, "small": 96 * 320}
+UNIT = 16
 #: Gray values 0..1 are normalized as the mean of ImageNet's channels.
 MEAN, DEVIATION = 0.449, 0.226
 #: EfficientNet-Lite0's first eleven blocks: kernel, stride, expansion, channels.
@@ -36,6 +38,12 @@ WIDTHS, DILATIONS, LOOKS = (16, 24, 48), (2, 4), (1, 3)
 SCENE = 32
 #: Epsilon of EfficientNet's normalization.
 EPSILON = 1e-3
+
+
+def size_for(aspect: float, pixels: int = PIXELS["large"]) -> tuple[int, int]:
+    """Rows and columns of the network's input for images of this aspect (width over height)."""
+    rows = max(UNIT, UNIT * math.floor(math.sqrt(pixels / aspect) / UNIT + 0.5))
+    return rows, max(UNIT, UNIT * math.floor(pixels / rows / UNIT + 0.5))
 
 
 @dataclass
@@ -134,7 +142,7 @@ class Moves(nn.Module):
         return self.head(self.looks(F.relu(self.norm(self.own(x) + self.scene(scene) + self.place(corners)))))
 
 
-def places(box: torch.Tensor, height: int, width: int) -> torch.Tensor:
+def places(box: torch.Tensor, height: int | torch.Tensor, width: int | torch.Tensor) -> torch.Tensor:
     """Coordinates [B, 2, height, width] of the pixels of windows `box` [B, 4] (x, y, width, height: shares of the frame,
     a mirrored window has its width negative and x at its right edge): -1..1 over the whole frame.
     """
@@ -174,7 +182,7 @@ class TwoAnswers(nn.Module):
         middle = self.up_eighth(deep, eighth)
         if box is None:
             box = torch.tensor([[0.0, 0.0, 1.0, 1.0]])
-        moves = self.moves(middle, scene, places(box, int(image.shape[2]) // 8, int(image.shape[3]) // 8))
+        moves = self.moves(middle, scene, places(box, image.shape[2] // 8, image.shape[3] // 8))
         moves = F.interpolate(moves, scale_factor=4.0, mode="bilinear", align_corners=False)
         dynamic = self.head(self.up_half(self.up_quarter(middle, quarter), half))
         # The scene's features are not moved by `known`: what the network knows is asked, not taught.

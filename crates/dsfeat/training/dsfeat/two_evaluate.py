@@ -1,7 +1,7 @@
 """Evaluates the network with two answers; used by `dsfeat.evaluate --two` and, on a few frames, while it trains.
 
-Whole frames are squeezed to the network's input, as the program does; the answers are brought back to the labels' size
-bilinearly. Classes are judged by `lasting`, states by `activation`; the high class is what is static.
+Whole frames are resized to the network's input, as the program does: to one of their own proportions where the model leaves that
+open, else squeezed. The answers are brought back to the labels' size bilinearly. Classes are judged by `lasting`, states by `activation`; the high class is what is static.
 """
 
 from pathlib import Path
@@ -14,18 +14,18 @@ import torch
 from . import streets
 from .metrics import Tally
 from .streets import MOVING, STANDING, STILL, Frames
-from .two_answers import SIZES, TwoAnswers
+from .two_answers import PIXELS, TwoAnswers, size_for
 from .views import whole
 
-#: Activation and lasting [B, h, w] of images [B, 1, H, W], and the size of the images.
-Predict = tuple[Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], tuple[int, int]]
+#: Activation and lasting [B, h, w] of images [B, 1, H, W], and the size of images by the frames' aspect.
+Predict = tuple[Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], Callable[[float], tuple[int, int]]]
 #: A frame fails where static pixels below one half cover more than this share of it.
 COVERED = 0.02
 #: Sets with class labels, and with motion labels.
 CLASSES = ("cityscapes256_val", "idd_lite_val", "camvid_val", "camvid_test")
 
 
-def predictor(network: TwoAnswers, size: tuple[int, int] = SIZES["large"], known: bool = True) -> Predict:
+def predictor(network: TwoAnswers, pixels: int = PIXELS["large"], known: bool = True) -> Predict:
     """A PyTorch network; without `known` as if every scene were known."""
 
     def predict(images: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -36,10 +36,10 @@ def predictor(network: TwoAnswers, size: tuple[int, int] = SIZES["large"], known
             activation, lasting, _ = logits.answers()
         return activation[:, 0].numpy(), lasting[:, 0].numpy()
 
-    return predict, size
+    return predict, lambda aspect: size_for(aspect, pixels)
 
 
-def onnx_predictor(path: Path) -> Predict:
+def onnx_predictor(path: Path, pixels: int = PIXELS["large"]) -> Predict:
     """An ONNX model with outputs `activation` and `lasting`; one with a single output gives it twice."""
     from .runtime import session
 
@@ -51,14 +51,17 @@ def onnx_predictor(path: Path) -> Predict:
         found = [model.run(asked, {"image": one[None]}) for one in images]
         return np.stack([f[0][0, 0] for f in found]), np.stack([f[1][0, 0] for f in found])
 
-    return predict, tuple(model.get_inputs()[0].shape[2:])
+    sides = model.get_inputs()[0].shape[2:]
+    fixed = tuple(sides) if all(isinstance(side, int) for side in sides) else None
+    return predict, lambda aspect: fixed or size_for(aspect, pixels)
 
 
 def answers(predict: Predict, frames: Frames):
     """Yields (codes, activation, lasting) of each frame at the labels' size."""
     rows, columns = frames.codes.shape[1:]
+    size = predict[1](frames.aspect)
     for start in range(0, len(frames), 8):
-        shown = np.stack([whole(image, predict[1]) for image in frames.images[start : start + 8]])[:, None]
+        shown = np.stack([whole(image, size) for image in frames.images[start : start + 8]])[:, None]
         for codes, *maps in zip(frames.codes[start : start + 8], *predict[0](shown)):
             yield codes, *(np.clip(cv2.resize(m, (columns, rows), interpolation=cv2.INTER_LINEAR), 0.0, 1.0) for m in maps)
 

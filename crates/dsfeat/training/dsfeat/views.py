@@ -1,7 +1,7 @@
 """Views of labeled frames for the network with two answers: a window, a lens, a size, a light.
 
-A view's window runs from a half of the frame to all of it, with any aspect between the frame's and KITTI's; half of them
-see nearly the whole frame, as the program feeds it. The light goes from glaring sun with hard shade to night.
+A view's window runs from a half of the frame to all of it, in nearly the frame's proportions; half of them see as much of the
+frame as fits. The light goes from glaring sun with hard shade to night.
 """
 
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-#: Aspect of a KITTI frame, the widest that is fed.
-WIDEST = 3.3
+#: How far a view's proportions may differ from the frame's: the logarithm of a factor.
+STRETCH = 0.2
 #: Maps have the image's size divided by this.
 STRIDE = 2
 
@@ -24,12 +24,14 @@ class View:
     box: np.ndarray
 
 
-def window(rng: np.random.Generator, aspect: float, least: float) -> tuple[float, float, float, float]:
-    """A window with at least the share `least` of the frame's width."""
+def window(rng: np.random.Generator, aspect: float, least: float, shape: float) -> tuple[float, float, float, float]:
+    """A window of a frame of `aspect` for a view of aspect `shape`, with at least the share `least` of the frame's width where
+    the frame is high enough for that.
+    """
     wide = rng.uniform(max(least, 0.88) if rng.random() < 0.5 else least, 1.0)
-    shape = np.exp(rng.uniform(np.log(min(aspect, WIDEST) * 0.9), np.log(WIDEST * 1.1)))
+    shape *= np.exp(rng.uniform(-STRETCH, STRETCH))
+    wide = min(wide, shape / aspect)
     height = min(1.0, wide * aspect / shape)
-    # The road lies in the lower part; what is above and below is cut alike.
     return rng.uniform(0, 1 - wide), rng.uniform(0, 1 - height), wide, height
 
 
@@ -109,7 +111,7 @@ def view(
     rng: np.random.Generator, image: np.ndarray, codes: np.ndarray, aspect: float, size: tuple[int, int], least: float, mirror: bool
 ) -> View:
     """One view of `size` = (rows, columns) of a frame (uint8) and its codes (0: ignored)."""
-    x, y, wide, high = box = window(rng, aspect, least)
+    x, y, wide, high = box = window(rng, aspect, least, size[1] / size[0])
     bend = rng.uniform(-0.06, 0.06) if rng.random() < 0.3 else 0.0
     flip = mirror and rng.random() < 0.5
     if flip:

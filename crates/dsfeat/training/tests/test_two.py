@@ -7,7 +7,7 @@ import torch
 from dsfeat import streets, train_two, two_export, views
 from dsfeat.streets import IGNORED, MOVING, STANDING, STILL, VEHICLE, Frames
 from dsfeat.teachers import tiles
-from dsfeat.two_answers import SIZES, Logits, TwoAnswers, places
+from dsfeat.two_answers import PIXELS, Logits, TwoAnswers, places, size_for
 
 
 def frames(name: str = "noise") -> Frames:
@@ -23,13 +23,21 @@ def config(**values) -> train_two.Config:
 
 def test_the_answers_have_half_the_size_and_fade_where_the_scene_is_unknown():
     network = TwoAnswers().eval()
-    for size in SIZES.values():
+    for size in (size_for(aspect, pixels) for aspect in (0.5, 4 / 3, 3.3) for pixels in PIXELS.values()):
         logits = network(torch.rand(1, 1, *size))
         activation, lasting, known = logits.answers()
         assert activation.shape == lasting.shape == (1, 1, size[0] // 2, size[1] // 2) and known.shape == (1, 1, 1, 1)
         assert bool((activation >= lasting).all()), "what moves is a part of what does not last"
     faded = Logits(logits.dynamic, logits.moves, torch.full((1, 1, 1, 1), -30.0)).answers()
     assert all(bool((map > 1 - 1e-6).all()) for map in faded[:2])
+
+
+def test_the_input_has_the_proportions_of_the_image():
+    assert size_for(1241 / 376) == (128, 416) and size_for(1241 / 376, PIXELS["small"]) == (96, 320)
+    for aspect in np.linspace(0.5, 4, 30):
+        rows, columns = size_for(aspect)
+        assert rows % 16 == 0 and columns % 16 == 0 and abs(rows * columns / PIXELS["large"] - 1) < 0.1
+        assert 0.85 < columns / rows / aspect < 1.18, aspect
 
 
 def test_places_of_a_window_are_those_of_the_frame():
@@ -112,8 +120,9 @@ def test_drives_left_out_are_not_drawn(tmp_path):
 def test_the_export_gives_pytorchs_answers(tmp_path):
     torch.manual_seed(2)
     network = TwoAnswers().eval()
-    two_export.export_onnx(network, tmp_path / "two.onnx", SIZES["small"])
-    assert two_export.compare(network, tmp_path / "two.onnx", SIZES["small"]) < 1e-4
+    two_export.export_onnx(network, tmp_path / "two.onnx")
+    for aspect in (3.3, 1.5):
+        assert two_export.compare(network, tmp_path / "two.onnx", size_for(aspect, PIXELS["small"])) < 1e-4
 
 
 def test_unknown_settings_are_refused(tmp_path):

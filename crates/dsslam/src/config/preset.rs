@@ -83,8 +83,8 @@ impl Config {
     /// The built-in configuration that goes with the layout of a folder, with overrides (`key=value`) above it; the defaults where
     /// there is none.
     ///
-    /// Without ONNX Runtime features are selected by their response where the configuration would select them by activation and no
-    /// override does.
+    /// Without ONNX Runtime features are selected by their response where a built-in configuration would select them by activation and
+    /// no override does.
     ///
     /// # Errors
     /// Everything that is wrong with the overrides.
@@ -103,14 +103,17 @@ impl Config {
         overrides: &[String],
         network: &NetworkOptions,
     ) -> Result<Chosen, ConfigErrors> {
-        let Some(preset) = folder.filter(|_| file.is_none()).and_then(for_layout) else {
-            return Ok(Chosen { config: Self::load(file, overrides)?, preset: None, notices: Vec::new() });
+        let preset = folder.filter(|_| file.is_none()).and_then(for_layout);
+        let mut config = match preset {
+            Some(preset) => Self::of_text(preset.name, preset.text, overrides)?,
+            None => Self::load(file, overrides)?,
         };
-        let mut config = Self::of_text(preset.name, preset.text, overrides)?;
+        let is_built_in =
+            preset.is_some() || file.is_some_and(|file| !file.is_file() && find(file).is_some());
         let has_library =
             network.library.is_some() || dsfeat::find_library().is_ok_and(|file| file.is_file());
-        let notices = if has_library { Vec::new() } else { config.without_network() };
-        Ok(Chosen { config, preset: Some(preset.name), notices })
+        let notices = if is_built_in && !has_library { config.without_network() } else { Vec::new() };
+        Ok(Chosen { config, preset: preset.map(|preset| preset.name), notices })
     }
 
     /// Selects by response, with the default number of features, unless an override wants it otherwise.

@@ -6,8 +6,8 @@ use sha2::{Digest, Sha256};
 
 use super::{MapFileError, MapFileInfo};
 
-/// The newest format version, which is written.
-pub const FORMAT_VERSION: u32 = 1;
+/// The format version, which is written and read.
+pub const FORMAT_VERSION: u32 = 2;
 
 /// The first bytes of every map file; the line end shows up transfers as text.
 const MAGIC: [u8; 8] = *b"DSMAP\0\r\n";
@@ -132,8 +132,8 @@ impl Header {
             header[from..to].iter().rev().fold(0, |sum, &byte| (sum << 8) | u64::from(byte))
         };
         let version = number(8, 12) as u32;
-        if version == 0 || version > FORMAT_VERSION {
-            return Err(MapFileError::Version { found: version, newest: FORMAT_VERSION });
+        if version != FORMAT_VERSION {
+            return Err(MapFileError::Version { found: version, expected: FORMAT_VERSION });
         }
         Ok(Header {
             version,

@@ -1,4 +1,4 @@
-//! The records of format version 1: plain numbers, apart from the types of the program, so that those can change.
+//! The records of format version 2: plain numbers, apart from the types of the program, so that those can change.
 //!
 //! Ids are their numbers. A change of any record here needs a new format version.
 
@@ -96,6 +96,8 @@ pub(super) struct FrameRecord<'a> {
     pub(super) depth: Option<Cow<'a, [u8]>>,
     #[serde(borrow)]
     pub(super) activation: Cow<'a, [u8]>,
+    #[serde(borrow)]
+    pub(super) lasting: Cow<'a, [u8]>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -112,6 +114,7 @@ pub(super) struct PointRecord {
     pub(super) created_by: u32,
     pub(super) seen: u32,
     pub(super) found: u32,
+    pub(super) belief: i32,
     /// (keyframe, feature) in order of the keyframes.
     pub(super) observations: Vec<(u32, u32)>,
 }

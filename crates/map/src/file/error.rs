@@ -37,13 +37,13 @@ pub enum MapFileError {
         /// The checksum that the file states.
         expected: String,
     },
-    /// The file was made by a newer program.
-    #[error("map file has format version {found}, this program reads versions 1 to {newest}")]
+    /// The file was made by a newer or an older program.
+    #[error("map file has format version {found}, this program reads version {expected}")]
     Version {
         /// Version of the file.
         found: u32,
-        /// The newest version that can be read.
-        newest: u32,
+        /// The version that can be read.
+        expected: u32,
     },
     /// Undamaged, but not what a map file holds: the program that made it had a defect.
     #[error("unreadable map file: {reason}")]

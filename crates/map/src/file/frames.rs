@@ -42,6 +42,7 @@ impl Shared {
             right_u: column(frame.right_u.iter().copied()),
             depth: (!follows).then(|| column(frame.depth.iter().copied())),
             activation: column(frame.activation.iter().copied()),
+            lasting: column(frame.lasting.iter().copied()),
         }
     }
 
@@ -79,7 +80,7 @@ impl Shared {
         if let Some(depth) = &record.depth {
             frame.depth = numbers(depth, n)?;
         }
-        frame.activation = activation;
+        (frame.activation, frame.lasting) = (activation, numbers(&record.lasting, n)?);
         Ok(frame)
     }
 }

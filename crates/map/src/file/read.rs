@@ -13,7 +13,7 @@ use super::content::{
 };
 use super::frames::Shared;
 use crate::map::RemovedKeyframe;
-use crate::{Keyframe, KeyframeId, Map, MapPoint, Observation, PointId};
+use crate::{Keyframe, KeyframeId, MAX_BELIEF, Map, MapPoint, Observation, PointId};
 
 /// The map of unpacked content.
 pub(super) fn map_of(content: &[u8]) -> Result<Map, MapFileError> {
@@ -114,6 +114,7 @@ fn point(id: PointId, record: &PointRecord) -> MapPoint {
         created_by: KeyframeId(record.created_by),
         seen: record.seen,
         found: record.found,
+        belief: record.belief.clamp(-MAX_BELIEF, MAX_BELIEF),
         observations: record.observations.iter().map(observation).collect(),
     }
 }

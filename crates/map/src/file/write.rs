@@ -65,6 +65,7 @@ fn point_record(point: &MapPoint) -> PointRecord {
         created_by: point.created_by.0,
         seen: point.seen,
         found: point.found,
+        belief: point.belief,
         observations: point.observations().iter().map(|o| (o.keyframe.0, o.feature)).collect(),
     }
 }

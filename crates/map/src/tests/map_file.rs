@@ -108,7 +108,7 @@ fn frames_keep_depth_activation_and_camera_and_share_what_they_shared() {
         }
         if i >= 4 {
             frame.depth.iter_mut().step_by(3).for_each(|d| *d *= 1.5); // measured, not what the disparity says
-            frame.activation.iter_mut().for_each(|a| *a = random.random());
+            frame.activation.iter_mut().chain(&mut frame.lasting).for_each(|a| *a = random.random());
         }
         let keyframe = NewKeyframe { frame: Arc::new(frame), ..new_keyframe(&map, &[]) };
         map.insert(Batch { keyframe: Some(keyframe), points: vec![] }).unwrap();
@@ -204,7 +204,7 @@ fn a_newer_version_is_refused_as_such() {
     let mut bytes = encode(&small_map(), &info());
     for version in [FORMAT_VERSION + 1, u32::MAX, 0] {
         bytes[8..12].copy_from_slice(&version.to_le_bytes());
-        let message = format!("map file has format version {version}, this program reads versions 1 to 1");
+        let message = format!("map file has format version {version}, this program reads version 2");
         expect_error(&sealed(bytes.clone()), &message);
         // The length is not looked at before the version.
         expect_error(&sealed([&bytes[..], &[0]].concat()), &message);

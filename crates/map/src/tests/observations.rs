@@ -1,7 +1,7 @@
 //! `link`, `unlink`, `merge_points`, `remove_point`, `count`.
 
 use super::world::*;
-use crate::{KeyframeId, Map, MapError, PointCount, PointFate, PointId};
+use crate::{FIRST_BELIEF, KeyframeId, MAX_BELIEF, Map, MapError, PointCount, PointFate, PointId};
 
 /// Points 0 (keyframes 0, 1), 1 (keyframes 1, 2), 2 (keyframe 0), 3 (keyframes 0, 1); features by point number.
 fn small_map() -> Map {
@@ -63,16 +63,30 @@ fn a_young_point_may_keep_one_observation_and_an_old_one_may_not() {
 #[test]
 fn merging_moves_observations_where_free_and_ends_the_others() {
     let mut map = small_map();
-    map.count(&[PointCount { point: PointId(0), seen: 3, found: 2 }]).unwrap();
-    map.count(&[PointCount { point: PointId(1), seen: 10, found: u32::MAX }]).unwrap();
+    map.count(&[PointCount { point: PointId(0), seen: 3, found: 2, evidence: 500 }]).unwrap();
+    map.count(&[PointCount { point: PointId(1), seen: 10, found: u32::MAX, evidence: -1700 }]).unwrap();
     map.merge_points(PointId(0), PointId(1)).unwrap();
     let p = map.point(PointId(0)).unwrap();
     assert_eq!(p.observations(), [at(0, 0), at(1, 0), at(2, 1)]);
     assert_eq!((p.seen, p.found, p.reference), (13, u32::MAX, KeyframeId(0)));
+    assert_eq!(p.belief, FIRST_BELIEF + 500 - 1700);
     assert_eq!(map.keyframe(KeyframeId(1)).unwrap().point_at(1), None);
     assert_eq!([weight(&map, 0, 1), weight(&map, 0, 2), weight(&map, 1, 2)], [2, 1, 1]);
     assert!(map.point(PointId(1)).is_none());
     assert_eq!(map.check(), Ok(()));
+}
+
+#[test]
+fn belief_adds_up_and_leaves_room_for_doubt() {
+    let mut map = small_map();
+    let mut told = |evidence: i32| {
+        map.count(&[PointCount { point: PointId(0), seen: 1, found: 1, evidence }]).unwrap();
+        map.point(PointId(0)).unwrap().clone()
+    };
+    assert!((told(-FIRST_BELIEF).trust() - 0.5).abs() < 1e-12);
+    assert_eq!(told(i32::MAX).belief, MAX_BELIEF);
+    assert!(told(0).trust() > 0.997 && told(-2 * MAX_BELIEF).trust() < 0.003);
+    assert_eq!(told(i32::MIN).belief, -MAX_BELIEF);
 }
 
 #[test]
@@ -88,14 +102,14 @@ fn resolve_follows_chains_of_merges_to_what_lives() {
     let matches = [(1, PointId(3)), (2, PointId(9)), (3, PointId(0)), (4, PointId(1))];
     assert_eq!(map.resolve_matches(&matches), [(1, PointId(0))]);
     // Statistics of a merged point go to the one that it became.
-    map.count(&[PointCount { point: PointId(3), seen: 7, found: 5 }]).unwrap();
+    map.count(&[PointCount { point: PointId(3), seen: 7, found: 5, evidence: 0 }]).unwrap();
     assert_eq!((map.point(PointId(0)).unwrap().seen, map.check()), (7, Ok(())));
     map.remove_point(PointId(0)).unwrap();
     for p in 0..4 {
         assert_eq!(map.resolve(PointId(p)), None);
     }
     let before = map.digest();
-    map.count(&[PointCount { point: PointId(3), seen: 7, found: 5 }]).unwrap();
+    map.count(&[PointCount { point: PointId(3), seen: 7, found: 5, evidence: 0 }]).unwrap();
     assert_eq!(map.digest(), before, "numbers of a removed point are passed over");
     assert_eq!(map.next_point_id(), PointId(4), "ids are not reused");
 }
@@ -120,7 +134,7 @@ fn impossible_changes_are_refused() {
     assert_eq!(refused(&mut map, |m| m.merge_points(PointId(0), PointId(4))), no_point);
     assert_eq!(refused(&mut map, |m| m.merge_points(PointId(4), PointId(0))), no_point);
     assert_eq!(refused(&mut map, |m| m.remove_point(PointId(4))), no_point);
-    let known = PointCount { point: PointId(0), seen: 1, found: 1 };
+    let known = PointCount { point: PointId(0), seen: 1, found: 1, evidence: 0 };
     let unknown = PointCount { point: PointId(4), ..known };
     assert_eq!(refused(&mut map, |m| m.count(&[known, unknown])), no_point);
     assert_eq!(

@@ -146,7 +146,7 @@ impl Chooser<'_> {
     }
 
     fn counts(&mut self) -> Vec<PointCount> {
-        (0..5).map(|_| PointCount { point: self.point(), seen: 2, found: 1 }).collect()
+        (0..5).map(|_| PointCount { point: self.point(), seen: 2, found: 1, evidence: -700 }).collect()
     }
 }
 

@@ -57,6 +57,7 @@ fn the_digest_sees_every_field() {
     let (k, p) = (crate::KeyframeId(2), PointId(9));
     assert!(differs(&|m| m.points.live_mut(p).seen += 1));
     assert!(differs(&|m| m.points.live_mut(p).found += 1));
+    assert!(differs(&|m| m.points.live_mut(p).belief -= 1));
     assert!(differs(&|m| m.points.live_mut(p).position.z += 1e-12));
     assert!(differs(&|m| m.points.live_mut(p).normal.z *= -1.0));
     assert!(differs(&|m| m.points.live_mut(p).min_distance_m += 1e-12));
@@ -79,6 +80,7 @@ fn the_digest_sees_every_field() {
     };
     assert!(in_frame(&|f| f.timestamp_s += 1.0));
     assert!(in_frame(&|f| f.activation[3] = 0.5));
+    assert!(in_frame(&|f| f.lasting[3] = 0.5));
     assert!(in_frame(&|f| Arc::make_mut(&mut f.rig).stereo.baseline_m += 0.1));
     assert!(in_frame(&|f| Arc::make_mut(&mut f.rig).distortion.k3 = 0.1));
     assert!(in_frame(&|f| Arc::make_mut(&mut f.rig).height += 1));

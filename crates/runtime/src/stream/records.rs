@@ -81,12 +81,14 @@ pub(super) fn features(details: &FrameDetails) -> Features {
             }
         }
     }
-    Features {
-        frame: details.info.index,
-        pixels: pixels(frame),
-        states,
-        activations: frame.activation.iter().map(|a| quantized(*a)).collect(),
+    // A feature without a point has the network's word alone.
+    let mut activations: Vec<u8> = frame.activation.iter().map(|a| quantized(*a)).collect();
+    for (&(feature, _), &trust) in details.matched.iter().zip(&details.trust) {
+        if let Some(shown) = activations.get_mut(feature as usize) {
+            *shown = quantized(trust);
+        }
     }
+    Features { frame: details.info.index, pixels: pixels(frame), states, activations }
 }
 
 /// An image, made smaller.

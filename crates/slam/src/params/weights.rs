@@ -1,6 +1,7 @@
 //! The section `weights` of the configuration.
 
 use features::Frame;
+use map::MapPoint;
 use serde::{Deserialize, Serialize};
 use settings::{Entry, Section, flag};
 
@@ -25,9 +26,9 @@ impl Default for Weights {
 #[rustfmt::skip]
 impl Section for Weights {
     const KEYS: &'static [Entry] = &[
-        flag("weights.ransac", "samples and scores of RANSAC are weighted by activation").expert(),
+        flag("weights.ransac", "samples and scores of RANSAC are weighted by activation and by the belief in points").expert(),
         flag("weights.optimisation", "observations are weighted by activation in optimization").expert(),
-        flag("weights.words", "bag-of-words entries of a frame are weighted by activation").expert(),
+        flag("weights.words", "bag-of-words entries of a frame count as far as its features will be there another day").expert(),
     ];
 }
 
@@ -35,5 +36,10 @@ impl Weights {
     /// The weight of feature `i` in RANSAC.
     pub(crate) fn of_sample(self, frame: &Frame, i: usize) -> f64 {
         if self.ransac { f64::from(frame.activation[i]) } else { 1.0 }
+    }
+
+    /// The weight of a point in RANSAC.
+    pub(crate) fn of_point(self, point: &MapPoint) -> f64 {
+        if self.ransac { point.trust() } else { 1.0 }
     }
 }

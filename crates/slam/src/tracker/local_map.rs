@@ -184,7 +184,7 @@ fn count(visible: &[PointId], matched: &[(u32, PointId)], inliers: &[(u32, Point
     for &(_, id) in inliers {
         counts.insert(id, 1);
     }
-    counts.into_iter().map(|(point, found)| PointCount { point, seen: 1, found }).collect()
+    counts.into_iter().map(|(point, found)| PointCount { point, seen: 1, found, evidence: 0 }).collect()
 }
 
 #[cfg(test)]

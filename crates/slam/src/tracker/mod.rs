@@ -1,5 +1,6 @@
 //! Tracking: a frame and an immutable map give a pose, or a reason why there is none.
 
+mod evidence;
 mod initializer;
 mod keyframe_policy;
 mod last_frame;
@@ -19,6 +20,7 @@ use crate::lost::{Lost, NotReady};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::world::World;
+use evidence::{Yardstick, add_evidence};
 use initializer::Initializer;
 pub use initializer::{InitialPair, NoPair};
 pub use keyframe_policy::KeyframeReason;
@@ -170,12 +172,19 @@ impl Tracker {
         frame: &Arc<Frame>,
         map: &Map,
         last: Option<&LastFrame>,
-        local: LocallyTracked,
+        mut local: LocallyTracked,
         mapper_idle: bool,
         probe: &mut dyn Probe,
     ) -> Tracked {
         self.lost_frames = 0;
         self.initializer = None;
+        if let Some(last) = last.filter(|_| !local.stats.relocalized) {
+            let (seconds, camera) = (last.seconds_to(frame), &self.params.camera);
+            let is_metric = !camera.sensor.is_scale_free();
+            let yardstick =
+                Yardstick::new(&local.cam_from_world, &last.cam_from_world(map), seconds, is_metric);
+            add_evidence(&mut local, frame, map, yardstick, camera.feature_sigma_px);
+        }
         self.velocity = last.filter(|_| !local.stats.relocalized).map(|last| {
             let seconds = last.seconds_to(frame);
             MotionModel::between(&last.cam_from_world(map), &local.cam_from_world, seconds)

@@ -26,7 +26,7 @@ fn world(observers: [usize; 4], n: usize, stereo: bool, params: &Params) -> Mapp
 }
 
 fn count(mapper: &mut Mapper, point: u32, seen: u32, found: u32) {
-    mapper.count(&[PointCount { point: PointId(point), seen, found }]);
+    mapper.count(&[PointCount { point: PointId(point), seen, found, evidence: 0 }]);
 }
 
 fn left(mapper: &Mapper) -> Vec<u32> {

@@ -52,7 +52,7 @@ fn distrusted_features_count_less_where_words_are_weighted() {
     plain.add(KeyframeId(2), &frame(&scene, 30..60));
     let weighted = plain.clone().weighted(true);
     let mut frame = (*frame(&scene, 0..60)).clone();
-    frame.activation = (0..60).map(|i| if i < 30 { 0.01 } else { 1.0 }).collect();
+    frame.lasting = (0..60).map(|i| if i < 30 { 0.01 } else { 1.0 }).collect();
     let score_of_2 = |database: &KeyframeDatabase| {
         let seen = database.describe(&frame).unwrap();
         database.alike(&seen.bow, |id| id.0 == 2)[0].score

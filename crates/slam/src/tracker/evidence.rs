@@ -1,0 +1,120 @@
+//! What a frame says of the points that it should see: does each stand still? The network's word, and whether the point is where it
+//! would be if it stood, against how far it would have gone if it moved.
+
+use features::Frame;
+use geometry::{SE3, Vec3};
+use map::{Map, PointId};
+
+use super::local_map::LocallyTracked;
+use crate::noise::{Noise, information};
+
+/// Speed of a slow mover, m/s: somebody who walks. Faster ones move about as fast as the camera.
+const WALKING_M_S: f64 = 1.4;
+/// Most that one sight says for and against standing still, log-odds. Sights of neighboring frames are not independent.
+const MOST_FOR: f64 = 0.5;
+const MOST_AGAINST: f64 = 2.0;
+/// What a point says that should be seen and is not, log-odds: those that move are missed about as often again as others.
+const MISSED: f64 = -0.3;
+/// Largest log-odds of a network's word against standing still and for it (which may mean that it has no opinion), and what
+/// share of it counts: it repeats itself.
+const MOST_OF_WORD: f64 = 2.0;
+const MOST_OF_PRAISE: f64 = 1.0;
+const SHARE_OF_WORD: f64 = 0.4;
+
+/// How a mover would have gone since the last frame, in coordinates of the camera.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Yardstick(Vec3);
+
+impl Yardstick {
+    /// As far as the camera and in its direction; with a scale in meters at least as far as a walker, ahead if the camera stands.
+    pub(super) fn new(cam_from_world: &SE3, last_from_world: &SE3, seconds: f64, is_metric: bool) -> Self {
+        let step_world = cam_from_world.center() - last_from_world.center();
+        let least = if is_metric { WALKING_M_S * seconds.max(0.0) } else { 0.0 };
+        let step = cam_from_world.rotation * step_world;
+        match step.try_normalize(0.1 * least.max(f64::MIN_POSITIVE)) {
+            Some(direction) => Yardstick(direction * step.norm().max(least)),
+            None => Yardstick(Vec3::z() * least),
+        }
+    }
+}
+
+/// Adds what a tracked frame says to its counts.
+pub(super) fn add_evidence(
+    local: &mut LocallyTracked,
+    frame: &Frame,
+    map: &Map,
+    yardstick: Yardstick,
+    sigma_px: f64,
+) {
+    let LocallyTracked { counts, cam_from_world, matched, .. } = local;
+    let mut features: Vec<(PointId, u32)> =
+        matched.iter().map(|&(feature, point)| (point, feature)).collect();
+    features.sort_unstable();
+    for count in counts {
+        let Some(point) = map.point(count.point) else { continue };
+        let point_cam = *cam_from_world * point.position;
+        let at = features.binary_search_by_key(&count.point, |&(point, _)| point);
+        let feature = at.ok().map(|at| features[at].1 as usize);
+        let says = match feature {
+            Some(i) => sight(frame, i, &point_cam, yardstick, sigma_px) + word(frame.activation[i]),
+            None => MISSED * visibility(would_have_moved_sq(frame, None, &point_cam, yardstick, sigma_px)),
+        };
+        count.evidence = (1000.0 * says) as i32;
+    }
+}
+
+/// Log-odds of a network's word.
+fn word(activation: f32) -> f64 {
+    let a = f64::from(activation).clamp(1e-3, 1.0 - 1e-3);
+    SHARE_OF_WORD * (a / (1.0 - a)).ln().clamp(-MOST_OF_WORD, MOST_OF_PRAISE)
+}
+
+/// Log-likelihood ratio of standing still against moving for a feature that shows a point: the residuals have the feature's variance if
+/// it stands, and that of its motion besides if it moves.
+fn sight(frame: &Frame, i: usize, point_cam: &Vec3, yardstick: Yardstick, sigma_px: f64) -> f64 {
+    if point_cam.z <= 0.0 {
+        return 0.0;
+    }
+    let uvr = frame.rig.stereo.project(point_cam);
+    let (pixel, right_u) = (frame.pixel(i), f64::from(frame.right_u[i]));
+    let mut error_sq = (uvr.x - pixel.x).powi(2) + (uvr.y - pixel.y).powi(2);
+    let mut dimensions = 2.0;
+    if !right_u.is_nan() {
+        error_sq += (uvr.z - right_u).powi(2);
+        dimensions = 3.0;
+    }
+    let chi_sq = error_sq * information(frame, i, Noise { sigma_px, weighted: false });
+    let moved_sq = would_have_moved_sq(frame, Some(i), point_cam, yardstick, sigma_px) / dimensions;
+    let ratio = 0.5 * (dimensions * (1.0 + moved_sq).ln() - chi_sq * visibility(moved_sq));
+    ratio.clamp(-MOST_AGAINST, MOST_FOR)
+}
+
+/// Squared motion in the image over the variance of a feature (of octave 0 without one), all measured dimensions added up.
+fn would_have_moved_sq(
+    frame: &Frame,
+    feature: Option<usize>,
+    point_cam: &Vec3,
+    Yardstick(step): Yardstick,
+    sigma_px: f64,
+) -> f64 {
+    let moved_cam = point_cam + step;
+    if point_cam.z <= 0.0 || moved_cam.z <= 0.0 {
+        return 0.0;
+    }
+    let stereo = &frame.rig.stereo;
+    let mut moved = stereo.project(&moved_cam) - stereo.project(point_cam);
+    if !feature.is_some_and(|i| frame.has_depth(i)) {
+        moved.z = 0.0;
+    }
+    let noise = Noise { sigma_px, weighted: false };
+    moved.norm_squared() * feature.map_or(1.0 / (sigma_px * sigma_px), |i| information(frame, i, noise))
+}
+
+/// How well a motion could be seen: 0 for one far below the noise, 1 for one far above.
+fn visibility(moved_sq: f64) -> f64 {
+    moved_sq / (1.0 + moved_sq)
+}
+
+#[cfg(test)]
+#[path = "../../tests/steps/evidence.rs"]
+mod tests;
