@@ -1,6 +1,6 @@
 """Exports a checkpoint to ONNX and compares ONNX Runtime's output with PyTorch's.
 
-    python -m dsfeat.export --checkpoint runs/hybrid/last.pt --out ../models/dsfeat_hybrid.onnx
+    python -m dsfeat.export --checkpoint runs/hybrid/last.pt --out hybrid.onnx
 """
 
 import argparse
