@@ -22,7 +22,7 @@ const DOT_PX: f64 = 2.0;
 /// An image, a configuration or a network that cannot be used; a picture that cannot be written.
 pub(crate) fn run(args: &ActivationArgs) -> Result<Exit, Failure> {
     let mut config = args.settings.load().or_input()?;
-    config.features.keep = args.keep as usize;
+    (config.features.keep, config.features.keep_mono) = (args.keep as usize, None);
     if config.features.selection == SelectionRule::Response {
         config.features.selection = SelectionRule::Activation;
     }

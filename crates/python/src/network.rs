@@ -42,7 +42,8 @@ pub(crate) fn activation<'py>(
         let selecting = ["features.selection=activation".to_owned()];
         let settings = Config::load(None, &selecting).map_err(raised)?.features;
         let (network, _) = dsslam::open_network(&settings, &options(network)).map_err(raised)?;
-        network.activation(&view.to_image().map_err(raised)?).map_err(raised)
+        let answers = network.answers(&view.to_image().map_err(raised)?).map_err(raised)?;
+        Ok::<_, PyErr>(answers.map)
     })?;
     let values = map.values();
     PyArray1::from_slice(py, &values.data).reshape([values.height, values.width])

@@ -38,8 +38,8 @@ impl Weights {
         if self.ransac { f64::from(frame.activation[i]) } else { 1.0 }
     }
 
-    /// The weight of a point in RANSAC.
+    /// The weight of a point in RANSAC: less than 1 if it is more likely to move than to stand.
     pub(crate) fn of_point(self, point: &MapPoint) -> f64 {
-        if self.ransac { point.trust() } else { 1.0 }
+        if self.ransac { (2.0 * point.trust()).min(1.0) } else { 1.0 }
     }
 }
