@@ -8,6 +8,7 @@ pub mod association;
 pub mod ate;
 pub mod baseline;
 pub mod command;
+pub mod compare;
 pub mod coverage;
 pub mod detections;
 pub mod drift;

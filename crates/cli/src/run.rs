@@ -79,6 +79,7 @@ fn options(args: &RunArgs) -> Result<SessionOptions> {
     options.input.topics = args.topics.clone();
     options.input.ground_truth = args.ground_truth.clone();
     options.input.max_frames = args.max_frames.map(|n| n as usize);
+    options.input.variant = args.variant;
     options.slam.network = args.network.options();
     options.slam.vocabulary = args.vocab.clone();
     options.slam.start_map = args.load_map.clone();

@@ -140,6 +140,12 @@ pub enum Error {
         /// The video or camera.
         path: PathBuf,
     },
+    /// A variant is wanted of something whose frames are not files.
+    #[error("{}: there are variants of folders of images only", path.display())]
+    Variant {
+        /// The video or camera.
+        path: PathBuf,
+    },
     /// A run cannot be compared with its ground truth.
     #[error("{0}")]
     Evaluation(String),

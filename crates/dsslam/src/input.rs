@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use features::{Extractor, ExtractorConfig, Rig};
-use io::{OpenOptions, Sensor, Sequence};
+use io::{OpenOptions, Sensor, Sequence, Variant};
 use runtime::{FrameFeed, SequenceFeed, Setup};
 use synth::World;
 
@@ -31,6 +31,8 @@ pub struct InputOptions {
     pub topics: Option<bag::Roles>,
     /// Number of frames after which the run ends; `None`: all.
     pub max_frames: Option<usize>,
+    /// A variant of the frames, with the camera and the ground truth that belong to it. For folders of images only.
+    pub variant: Variant,
 }
 
 /// Frames with their camera and the configuration in force.
@@ -67,6 +69,9 @@ impl Input {
             return Ok(Self { intake, feed });
         }
         if video::is_video(path) || video::is_camera(path) {
+            if options.variant != Variant::default() {
+                return Err(Error::Variant { path: path.to_path_buf() });
+            }
             if options.ground_truth.is_some() {
                 return Err(Error::GroundTruth { path: path.to_path_buf() });
             }
@@ -76,7 +81,8 @@ impl Input {
             let feed = Box::new(VideoFeed::new(opened, intake.preparation.clone(), max_frames));
             return Ok(Self { intake, feed });
         }
-        Self::files(path, io::open_sequence_with(path, &opening)?, config, max_frames)
+        let sequence = io::open_sequence_with(path, &opening)?;
+        Self::files(path, sequence, config, (max_frames, options.variant))
     }
 
     /// An image file as a sequence of one frame.
@@ -84,16 +90,18 @@ impl Input {
     /// # Errors
     /// A file that is not an image, or of another size than the configuration's camera.
     pub fn image(file: &Path, config: &Config) -> Result<Self, Error> {
-        Self::files(file, Sequence::of_image(file), config, None)
+        Self::files(file, Sequence::of_image(file), config, (None, Variant::default()))
     }
 
     fn files(
         path: &Path,
         sequence: Sequence,
         config: &Config,
-        max_frames: Option<usize>,
+        (max_frames, variant): (Option<usize>, Variant),
     ) -> Result<Self, Error> {
-        let intake = Intake::new(path, sequence, None, config)?;
+        let mut sequence = sequence;
+        sequence.frames.truncate(max_frames.unwrap_or(usize::MAX));
+        let intake = Intake::new(path, sequence, None, config)?.varied(variant);
         let feed = SequenceFeed::prepared(&intake.sequence, intake.preparation.clone(), max_frames);
         Ok(Self { intake, feed: Box::new(feed) })
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use features::{Extractor, ExtractorConfig, FeatureMask, Rig};
-use io::{ImageSize, Sequence};
+use io::{ImageSize, Sequence, Variant};
 use runtime::{Preparation, Setup};
 
 use crate::{Config, Error, NetworkOptions, network, setup};
@@ -50,6 +50,14 @@ impl Intake {
         Ok(Self { path: path.to_path_buf(), sequence, config, size, preparation, notices })
     }
 
+    /// The intake of a variant of the same images.
+    pub(crate) fn varied(mut self, variant: Variant) -> Self {
+        self.sequence = variant.of(self.sequence, self.config.camera.baseline_m.unwrap_or(0.0));
+        self.preparation = self.preparation.varied(variant);
+        self.config.camera.fps /= variant.every as f64;
+        self
+    }
+
     /// Where features may be taken: not where the configuration's mask is 0, nor in a border that rectification leaves; `None`:
     /// everywhere.
     ///
@@ -80,7 +88,8 @@ impl Intake {
     /// # Errors
     /// A missing camera.
     pub(crate) fn rig(&self) -> Result<Rig, Error> {
-        setup::rig(&self.config, self.sequence.sensor, self.size, &self.path)
+        let rig = setup::rig(&self.config, self.sequence.sensor, self.size, &self.path)?;
+        Ok(if self.preparation.is_mirrored() { rig.mirrored() } else { rig })
     }
 
     /// Camera, parameters, mask and network of a run, without vocabulary.

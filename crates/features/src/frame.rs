@@ -32,6 +32,15 @@ impl Rig {
         self.stereo.camera.project(&Vec3::new(ideal.x, ideal.y, 1.0))
     }
 
+    /// The camera of images whose left and right are exchanged.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let mut mirrored = self.clone();
+        mirrored.stereo.camera.cx = self.width as f64 - 1.0 - self.stereo.camera.cx;
+        mirrored.distortion.p2 = -self.distortion.p2;
+        mirrored
+    }
+
     /// The smallest box around the undistorted image.
     #[must_use]
     pub fn undistorted_bounds(&self) -> Bounds {

@@ -81,6 +81,12 @@ impl<T: Copy> Raster<T> {
         ImageSize { width: self.width, height: self.height }
     }
 
+    /// The raster with left and right exchanged.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        Self::from_fn(self.width, self.height, |x, y| self.at(self.width - 1 - x, y))
+    }
+
     /// Row `y`.
     ///
     /// # Panics

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use features::{ExtractorConfig, FeatureMask, RemapTable, remap};
 use geometry::{DepthImage, GrayImage};
-use io::{ImageError, ImageSize, LoadedFrame, RectifiedView, Sequence, reduce_depth, reduce_gray};
+use io::{ImageError, ImageSize, LoadedFrame, RectifiedView, Sequence, Variant, reduce_depth, reduce_gray};
 
 use crate::record::Unusable;
 
@@ -18,6 +18,8 @@ pub struct Preparation {
     scale: Option<f64>,
     /// Left, right; empty: images are used as they are.
     tables: Vec<RemapTable>,
+    /// What is changed at last.
+    variant: Variant,
 }
 
 impl Preparation {
@@ -37,17 +39,31 @@ impl Preparation {
             RemapTable::rectifying(&model, &view.rectified_from_cam, &camera, from, to)
         };
         let tables = sequence.rectification.iter().map(table).collect();
-        Self { expected: Some((first.size, calibration.source.clone())), scale, tables }
+        let expected = Some((first.size, calibration.source.clone()));
+        Self { expected, scale, tables, variant: Variant::default() }
+    }
+
+    /// The same, followed by what this variant does to images.
+    pub fn varied(self, variant: Variant) -> Self {
+        Self { variant, ..self }
+    }
+
+    /// Whether left and right are exchanged.
+    pub fn is_mirrored(&self) -> bool {
+        self.variant.mirrored
     }
 
     /// Where features may be taken: not in the border that rectification cannot fill, and not where `wanted`, an image of the size of
     /// the left raw one, is 0.
     pub fn mask(&self, config: &ExtractorConfig, wanted: Option<&GrayImage>) -> Option<FeatureMask> {
-        let filled = self.tables.first().map(|table| table.mask(0));
+        // Mirrored, the last camera is the left one.
+        let camera = if self.is_mirrored() { self.tables.len().saturating_sub(1) } else { 0 };
+        let turned = |mask: GrayImage| if self.is_mirrored() { mask.mirrored() } else { mask };
+        let filled = self.tables.get(camera).map(|table| turned(table.mask(0)));
         let wanted = wanted.and_then(|mask| {
             let binary =
                 GrayImage::from_fn(mask.width, mask.height, |x, y| if mask.at(x, y) == 0 { 0 } else { 255 });
-            let prepared = self.prepared(binary, 0).ok()?;
+            let prepared = turned(self.prepared(binary, camera).ok()?);
             let clear = |x: usize, y: usize| if prepared.at(x, y) < 128 { 0 } else { 255 };
             Some(GrayImage::from_fn(prepared.width, prepared.height, clear))
         });
@@ -67,7 +83,8 @@ impl Preparation {
         let LoadedFrame { left, right, depth } = frame;
         let (left, right) =
             rayon::join(|| self.prepared(left, 0), || right.map(|right| self.prepared(right, 1)).transpose());
-        Ok(LoadedFrame { left: left?, right: right?, depth: depth.map(|depth| self.reduced_depth(depth)) })
+        let depth = depth.map(|depth| self.reduced_depth(depth));
+        Ok(self.variant.apply(LoadedFrame { left: left?, right: right?, depth }, name))
     }
 
     /// The image of one camera, reduced and rectified.
@@ -201,6 +218,24 @@ mod tests {
         let frame = LoadedFrame { left: raw.clone(), right: None, depth: None };
         assert_eq!(preparation.apply(frame, &name()).unwrap().left, raw);
         assert_eq!(preparation.mask(&ExtractorConfig::default(), None), None);
+    }
+
+    #[test]
+    fn a_mirrored_pair_shows_the_right_camera_on_the_left_and_so_does_its_mask() {
+        let preparation = Preparation::new(&sequence(std::f64::consts::PI), 1.0);
+        let frame = || LoadedFrame { left: noise(SIZE), right: Some(noise(SIZE)), depth: None };
+        let plain = preparation.apply(frame(), &name()).unwrap();
+        let preparation = preparation.varied("mirrored".parse().unwrap());
+        let mirrored = preparation.apply(frame(), &name()).unwrap();
+        assert_eq!(mirrored.left, plain.right.unwrap().mirrored());
+        assert_eq!(mirrored.right.unwrap(), plain.left.mirrored());
+        // Only the left fifteen columns are wanted; the corner test keeps four away from the others.
+        let left = GrayImage::from_fn(40, 30, |x, _| if x < 15 { 9 } else { 0 });
+        let config = ExtractorConfig { levels: 1, ..ExtractorConfig::default() };
+        let straight = Preparation::new(&sequence(0.0), 1.0).varied("mirrored".parse().unwrap());
+        let mask = straight.mask(&config, Some(&left)).unwrap();
+        let row = mask.bytes().next().unwrap()[15 * 40..16 * 40].to_vec();
+        assert!((0..40).all(|x| (row[x] != 0) == (x >= 29)), "{row:?}");
     }
 
     #[test]

@@ -29,6 +29,9 @@ enum Action {
     /// Prints and writes tables of a suite's results beside published baselines.
     #[command(after_help = suite::TABLE_HELP)]
     Table(suite::ResultsArgs),
+    /// Compares the cases of a suite with references, configurations with one another, and a suite with an earlier one.
+    #[command(after_help = suite::COMPARE_HELP)]
+    Compare(suite::CompareArgs),
     /// Draws a suite's results (PNG, SVG) and writes a self-contained HTML report.
     #[command(after_help = suite::PLOT_HELP)]
     Plot(suite::ResultsArgs),
@@ -50,6 +53,7 @@ impl EvalCommand {
             Action::Traj(args) => traj::run(&args),
             Action::Run(args) => suite::run(&args),
             Action::Table(args) => suite::table(&args),
+            Action::Compare(args) => suite::compare(&args),
             Action::Plot(args) => suite::plot(&args),
             Action::Loops(args) => loops::run(&args),
             Action::Places(args) => out::say(places::run(&args, host)?.trim_end()),

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::out::say;
 use crate::baseline::{Baseline, Metric, read_baselines};
+use crate::compare::{cases_table, pairs_table, spread_table};
 use crate::figures::result_figures;
 use crate::plot;
 use crate::report::html_report;
@@ -18,7 +19,9 @@ A suite is a YAML file:
   name: kitti
   dataset: kitti                      # published results to compare with (kitti, euroc, tum-rgbd)
   sequences:
-    - {name: \"00\", path: \"${DSSLAM_DATA}/kitti/sequences/00\"}   # ground_truth: FILE, max_frames: N
+    - {name: \"00\", path: \"${DSSLAM_DATA}/kitti/sequences/00\"}   # ground_truth: FILE, max_frames: N, sensor: mono
+                                      # variant: reversed, reference_ate_m: 1.2, purpose: choosing|judging
+  variants: [plain, reversed, mirrored]   # each sequence as it is, and in these
   configurations:
     - {name: orb, config: ../../configs/kitti.yaml, set: [features.keep=1000]}   # sensor: stereo|rgbd|mono
   repeats: 1                          # timeout_s: 3600, lengths_m: [100, 200]
@@ -38,6 +41,11 @@ On several machines that share a folder:
 pub(super) const TABLE_HELP: &str = "\
 Examples:
   dsslam eval table results/short";
+
+pub(super) const COMPARE_HELP: &str = "\
+Examples:
+  dsslam eval compare results/peers                  # ratios to the references, configurations against the first
+  dsslam eval compare results/peers --before before  # against the same suite run by an earlier program";
 
 pub(super) const PLOT_HELP: &str = "\
 Examples:
@@ -64,6 +72,9 @@ pub(super) struct RunArgs {
     /// Only runs whose name begins with this: SEQUENCE, SEQUENCE/CONFIGURATION or SEQUENCE/CONFIGURATION/REPEAT.
     #[arg(long, value_name = "RUN")]
     only: Option<String>,
+    /// Runs the sequences in these variants, and names them SEQUENCE.VARIANT; plain is the sequence as it is.
+    #[arg(long, value_name = "V,V,...", value_delimiter = ',')]
+    variants: Vec<String>,
     /// Writes one shell command per run into this file, without running anything.
     #[arg(long, value_name = "FILE")]
     jobs_file: Option<PathBuf>,
@@ -83,6 +94,27 @@ pub(super) struct ResultsArgs {
     baselines: Option<PathBuf>,
 }
 
+/// Arguments of `dsslam eval compare`.
+#[derive(Debug, Args)]
+pub(super) struct CompareArgs {
+    /// Results folder of `dsslam eval run`.
+    #[arg(value_name = "RESULTS")]
+    results: PathBuf,
+    /// Results folder of the same suite by an earlier program.
+    #[arg(long, value_name = "RESULTS")]
+    before: Option<PathBuf>,
+}
+
+pub(super) fn compare(args: &CompareArgs) -> Result<()> {
+    let results = Results::read(&args.results)?;
+    let before = args.before.as_deref().map(Results::read).transpose()?;
+    let tables = [cases_table(&results), spread_table(&results), pairs_table(&results, before.as_ref())];
+    for table in tables.iter().filter(|table| !table.rows.is_empty()) {
+        say(table.to_terminal())?;
+    }
+    Ok(())
+}
+
 impl ResultsArgs {
     /// What is in the results folder, what stands beside it, and the output folder, which by default has this name.
     fn open(&self, name: &str) -> Result<(Results, Vec<Baseline>, PathBuf)> {
@@ -95,7 +127,8 @@ impl ResultsArgs {
 }
 
 pub(super) fn run(args: &RunArgs) -> Result<()> {
-    let plan = read_plan(&args.suite)?;
+    let mut plan = read_plan(&args.suite)?;
+    plan.vary(&args.variants).context("--variants")?;
     let this_program = std::env::current_exe().context("the path of this program is unknown")?;
     let program = args.program.clone().unwrap_or_else(|| this_program.clone());
     let results = args.out.clone().unwrap_or_else(|| Path::new("results").join(&plan.name));
@@ -107,7 +140,10 @@ pub(super) fn run(args: &RunArgs) -> Result<()> {
         only: args.only.clone(),
     };
     if let Some(file) = &args.jobs_file {
-        let lines = job_lines(&plan, &std::path::absolute(&args.suite)?, &this_program, &options)?;
+        let mut lines = job_lines(&plan, &std::path::absolute(&args.suite)?, &this_program, &options)?;
+        if !args.variants.is_empty() {
+            lines.iter_mut().for_each(|line| *line += &format!(" --variants {}", args.variants.join(",")));
+        }
         write(file, &(lines.join("\n") + "\n"))?;
         say(format!("{} commands in {}", lines.len(), file.display()))?;
         return Ok(());

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use geometry::Sensor;
+use io::Variant;
 use serde::{Deserialize, Serialize};
 
 use crate::drift::KITTI_LENGTHS_M;
@@ -20,6 +21,9 @@ pub struct Plan {
     pub dataset: Option<String>,
     /// Sequences, in the order of the tables' rows.
     pub sequences: Vec<SequencePlan>,
+    /// Each sequence without a variant of its own is run in these, as a sequence of its own with the variant behind its name.
+    #[serde(default)]
+    pub variants: Vec<String>,
     /// Configurations, in the order of the tables' columns.
     pub configurations: Vec<Configuration>,
     /// How often each run is repeated.
@@ -47,6 +51,18 @@ pub struct SequencePlan {
     /// Stops after this many frames.
     #[serde(default)]
     pub max_frames: Option<u32>,
+    /// Which images are used, whatever the configuration says.
+    #[serde(default)]
+    pub sensor: Option<Sensor>,
+    /// Runs on this variant of the first `max_frames` frames.
+    #[serde(default)]
+    pub variant: Option<String>,
+    /// Absolute trajectory error of another program on these very frames, meters.
+    #[serde(default)]
+    pub reference_ate_m: Option<f64>,
+    /// `choosing`: constants may be chosen on it; `judging`: only the outcome is judged on it.
+    #[serde(default)]
+    pub purpose: Option<String>,
 }
 
 /// One configuration of a suite.
@@ -126,8 +142,46 @@ impl Plan {
         self.configurations.iter().find(|c| c.name == name)
     }
 
+    /// Runs each sequence that has no variant of its own in these.
+    ///
+    /// # Errors
+    /// A word that is no variant, or a variant that occurs twice.
+    pub fn vary(&mut self, variants: &[String]) -> Result<()> {
+        if variants.is_empty() {
+            return Ok(());
+        }
+        let in_all = |sequence: &SequencePlan| -> Vec<SequencePlan> {
+            if sequence.variant.is_some() {
+                return vec![sequence.clone()];
+            }
+            let of = |variant: &String| match variant.as_str() {
+                "plain" => sequence.clone(),
+                word => SequencePlan {
+                    name: format!("{}.{word}", sequence.name),
+                    variant: Some(word.to_owned()),
+                    reference_ate_m: None,
+                    ..sequence.clone()
+                },
+            };
+            variants.iter().map(of).collect()
+        };
+        self.sequences = self.sequences.iter().flat_map(in_all).collect();
+        self.check()
+    }
+
     fn check(&self) -> Result<()> {
         ensure!(!self.sequences.is_empty(), "sequences: the list is empty");
+        for sequence in &self.sequences {
+            let variant = sequence.variant.as_deref().map(str::parse::<Variant>).transpose();
+            variant.with_context(|| format!("sequence {}", sequence.name))?;
+            let purpose = sequence.purpose.as_deref();
+            ensure!(
+                purpose.is_none_or(|purpose| ["choosing", "judging"].contains(&purpose)),
+                "sequence {}: purpose: found '{}', expected choosing or judging",
+                sequence.name,
+                purpose.unwrap_or_default()
+            );
+        }
         ensure!(!self.configurations.is_empty(), "configurations: the list is empty");
         ensure!(self.repeats >= 1, "repeats: found 0, expected at least 1");
         check_names("sequences", self.sequences.iter().map(|s| s.name.as_str()))?;
@@ -179,7 +233,9 @@ pub fn read_plan(path: &Path) -> Result<Plan> {
 /// Parses and resolves a suite; `variable` looks up `${NAME}`.
 fn parse(text: &str, folder: &Path, variable: impl Fn(&str) -> Option<String>) -> Result<Plan> {
     let mut plan: Plan = serde_saphyr::from_str(text)?;
+    let variants = std::mem::take(&mut plan.variants);
     plan.check()?;
+    plan.vary(&variants)?;
     let resolve = |path: &Path| -> Result<PathBuf> {
         let path = folder.join(expand(&path.to_string_lossy(), &variable)?);
         path.canonicalize().with_context(|| format!("{}", path.display()))
@@ -239,6 +295,17 @@ mod tests {
     }
 
     #[test]
+    fn variants_become_sequences_of_their_own() {
+        let text = "name: a\nsequences:\n  - {name: s, path: ., reference_ate_m: 1.0}\n  - {name: t, path: ., variant: mirrored}\n\
+                    configurations: [{name: x}]\nvariants: [plain, reversed, every2]\n";
+        let plan = parse(text, &std::env::temp_dir(), |_| None).unwrap();
+        let names: Vec<&str> = plan.sequences.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["s", "s.reversed", "s.every2", "t"]);
+        assert_eq!((plan.sequences[1].reference_ate_m, plan.sequences[0].reference_ate_m), (None, Some(1.0)));
+        assert_eq!(plan.sequences[2].variant.as_deref(), Some("every2"));
+    }
+
+    #[test]
     fn messages() {
         let rest = "configurations: [{name: x}]\n";
         assert_eq!(message(&format!("name: a\nsequences: []\n{rest}")), "sequences: the list is empty");
@@ -256,6 +323,14 @@ mod tests {
         assert!(message(&missing).contains("not-there: No such file"), "{}", message(&missing));
         let typo = "name: a\nsequences: [{name: s, path: .}]\nconfigurations: [{name: x, confg: y}]\n";
         assert!(message(typo).contains("confg"), "{}", message(typo));
+        let variant = format!("name: a\nsequences: [{{name: s, path: ., variant: up}}]\n{rest}");
+        assert!(
+            message(&variant).starts_with("sequence s: variant: found 'up', expected"),
+            "{}",
+            message(&variant)
+        );
+        let purpose = format!("name: a\nsequences: [{{name: s, path: ., purpose: x}}]\n{rest}");
+        assert_eq!(message(&purpose), "sequence s: purpose: found 'x', expected choosing or judging");
         let set = "name: a\nsequences: [{name: s, path: .}]\nconfigurations: [{name: x, set: [abc]}]\n";
         assert_eq!(message(set), "set: found 'abc', expected key=value");
     }

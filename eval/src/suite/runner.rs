@@ -171,12 +171,16 @@ fn arguments(plan: &Plan, id: &RunId, folder: &Path) -> Vec<String> {
         if let Some(file) = &sequence.ground_truth {
             list.extend(["--ground-truth".to_owned(), text(file)]);
         }
+        if let Some(variant) = &sequence.variant {
+            list.extend(["--variant".to_owned(), variant.clone()]);
+        }
     }
     if let Some(configuration) = plan.configuration(&id.configuration) {
         if let Some(config) = &configuration.config {
             list.extend(["--config".to_owned(), text(config)]);
         }
-        if let Some(sensor) = configuration.sensor {
+        let own = plan.sequence(&id.sequence).and_then(|sequence| sequence.sensor);
+        if let Some(sensor) = own.or(configuration.sensor) {
             list.extend(["--sensor".to_owned(), sensor.to_string()]);
         }
         for set in &configuration.set {

@@ -193,7 +193,7 @@ fn published(value: Option<f64>, metric: Metric) -> String {
 }
 
 /// The metric of one run: of the evaluation, else of the program's own summary.
-pub(super) fn value(run: &RunResult, metric: Metric) -> Option<f64> {
+pub(crate) fn value(run: &RunResult, metric: Metric) -> Option<f64> {
     let (e, s) = (run.evaluation.as_ref(), run.summary.as_ref());
     match metric {
         Metric::TRelPercent => e.map_or_else(|| s?.t_rel_percent, |e| e.t_rel_percent),

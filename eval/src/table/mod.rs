@@ -4,6 +4,7 @@ mod build;
 mod render;
 mod runs;
 
+pub(crate) use build::value;
 pub use build::{baselines_for, metric_table};
 pub(crate) use render::escape;
 pub use runs::{runs_csv, runs_table};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use io::Sensor;
+use io::{Sensor, Variant};
 
 use super::{NetworkArgs, SettingsArgs, ShowArgs};
 
@@ -39,6 +39,9 @@ pub(crate) struct RunArgs {
     /// Stops after this many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) max_frames: Option<u32>,
+    /// Runs on a variant of the sequence: words joined by '-' of reversed, mirrored, every2, start10, gain1.2, noise5, seed1.
+    #[arg(long, value_name = "VARIANT", help_heading = "Evaluation", default_value_t = Variant::default(), hide_default_value = true)]
+    pub(crate) variant: Variant,
     /// Ground truth in KITTI's, TUM's or EuRoC's format instead of the sequence's own, of the same body (KITTI: camera 0, EuRoC: the
     /// IMU); or a topic of a bag with poses.
     #[arg(long, value_name = "FILE", help_heading = "Evaluation")]

@@ -15,6 +15,7 @@ mod raw;
 pub(crate) mod stamps;
 mod truth;
 mod tum;
+mod variant;
 mod video;
 mod vslamlab;
 
@@ -30,6 +31,7 @@ pub use camera_file::{CameraFile, read_calibration};
 pub use error::DatasetError;
 pub use layout::{SequenceKind, layout_of};
 pub use raw::{RawCalibration, RawCamera, RectifiedView};
+pub use variant::{Variant, VariantError};
 pub use video::{Video, open_cameras, open_video};
 
 /// A camera as a dataset describes it.
