@@ -66,11 +66,6 @@ impl Observer for Progress {
                 self.n_frames += 1;
                 self.show_rate(answer);
             }
-            Event::Calibrating { done, frames } => {
-                self.bar.set_length(*frames as u64);
-                self.bar.set_message("refining the stereo calibration");
-                self.bar.set_position(*done as u64);
-            }
             _ => {}
         }
         for words in self.narrator.tell(event) {

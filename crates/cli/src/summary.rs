@@ -1,5 +1,7 @@
 //! The numbers of a run as `summary.json` holds them.
 
+use std::collections::BTreeMap;
+
 use dsslam::trajectories::own_pose;
 use dsslam::{Error, Figures, Verdict};
 use eval::Evaluation;
@@ -51,8 +53,8 @@ pub(crate) struct Summary {
     pub(crate) global_adjustments: usize,
     /// Disparity offset in force, pixels.
     pub(crate) disparity_offset_px: f64,
-    /// Standard deviation of what the calibration pass found, pixels; `null` without one.
-    pub(crate) disparity_offset_sigma_px: Option<f64>,
+    /// Errors of the given calibration that the images told, each with its standard deviation; `null`: it was left as it is.
+    pub(crate) calibration_errors: Option<BTreeMap<&'static str, [f64; 2]>>,
     /// Where frames have poses in several sub-maps: the figures of each, the largest first. All others are those of the largest.
     pub(crate) per_submap: Vec<SubmapFigures>,
     /// What was aligned before the absolute error was taken: `SE3` or `Sim3`.
@@ -237,7 +239,7 @@ impl Summary {
             relocalizations: statistics.relocalizations,
             global_adjustments: statistics.globals_adopted,
             disparity_offset_px: outcome.disparity_offset_px,
-            disparity_offset_sigma_px: outcome.calibration.map(|estimate| estimate.sigma_px),
+            calibration_errors: outcome.calibration.as_ref().map(|found| found.named().collect()),
             per_submap,
             alignment: errors.map(|e| e.alignment.to_string()),
             ate_rmse_m: errors.map(|e| e.ate_m.rmse),

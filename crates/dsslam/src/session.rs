@@ -56,18 +56,11 @@ impl Session {
     }
 
     fn of(input: Input, options: &SessionOptions) -> Result<Self, Error> {
-        let mut notices = input.notices().to_vec();
+        let notices = input.notices().to_vec();
         // What a camera delivers while tracking is behind would pile up.
         let schedule =
             if input.is_camera() { Schedule::Live { realtime: true } } else { Schedule::default() };
-        let mut setup = options.slam.setup(input.intake(), schedule)?;
-        if input.is_camera() && setup.stereo.calibration_frames > 0 {
-            setup.stereo.calibration_frames = 0;
-            notices.push(
-                "stereo.calibration_frames: a live camera cannot be replayed, so the calibration pass is skipped"
-                    .to_owned(),
-            );
-        }
+        let setup = options.slam.setup(input.intake(), schedule)?;
         Ok(Self { input, setup, notices })
     }
 

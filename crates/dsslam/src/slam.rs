@@ -16,8 +16,7 @@ use crate::{Camera, Config, Error, Finished, Images, SlamOptions};
 /// configuration and seed give equal bits, those of [`Session::run`](crate::Session::run) on the same frames. With `Live` mapping
 /// never holds up tracking.
 ///
-/// There is no first pass over the frames, so `stereo.calibration_frames` has no meaning here; a known error of the stereo
-/// calibration goes into `stereo.disparity_offset_px`, which a run over the frames reports.
+/// A known error of the stereo calibration goes into `stereo.disparity_offset_px`.
 ///
 /// An inertial sensor and further cameras have their places beside [`Slam::track`] and [`Images`], a covariance in
 /// [`FrameAnswer`]; there are none yet.
@@ -73,8 +72,7 @@ impl Slam {
         let (sequence, size) = camera.into_parts();
         let name = sequence.name.clone();
         let intake = Intake::new(name.as_ref(), sequence, Some(size), config)?;
-        let mut setup = options.setup(&intake, Schedule::default())?;
-        setup.stereo.calibration_frames = 0;
+        let setup = options.setup(&intake, Schedule::default())?;
         let engine = Engine::start(&setup)?;
         Ok(Self { intake, setup, engine, n_frames: 0, last_ns: None })
     }

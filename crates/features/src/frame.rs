@@ -41,6 +41,17 @@ impl Rig {
         mirrored
     }
 
+    /// The pixel of an undistorted position: the inverse of [`Rig::undistort`].
+    #[must_use]
+    pub fn distort(&self, place: &Vec2) -> Vec2 {
+        if self.distortion.is_zero() {
+            return *place;
+        }
+        let ray = self.stereo.camera.unproject(place);
+        let seen = self.distortion.distort(&Vec2::new(ray.x, ray.y));
+        self.stereo.camera.project(&Vec3::new(seen.x, seen.y, 1.0))
+    }
+
     /// The smallest box around the undistorted image.
     #[must_use]
     pub fn undistorted_bounds(&self) -> Bounds {
@@ -109,6 +120,8 @@ pub struct Frame {
     pub lasting: Vec<f32>,
     bounds: Bounds,
     grid: Grid,
+    /// Shared by all copies, by whichever calibration.
+    moment: Arc<()>,
 }
 
 impl Frame {
@@ -146,7 +159,39 @@ impl Frame {
             lasting: all,
             bounds,
             grid,
+            moment: Arc::default(),
         }
+    }
+
+    /// The same features as another calibration shows them. `offset_px` is added to every disparity, and for each row below the
+    /// principal point `slope` more.
+    #[must_use]
+    pub fn recalibrated(&self, rig: &Arc<Rig>, offset_px: f64, slope: f64) -> Self {
+        let mut keypoints = self.keypoints.clone();
+        let mut right_u = self.right_u.clone();
+        for (keypoint, right_u) in keypoints.iter_mut().zip(&mut right_u) {
+            let place = Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y));
+            let raw = self.rig.distort(&place);
+            let added = offset_px + slope * (raw.y - self.rig.stereo.camera.cy);
+            let right = self.rig.distort(&Vec2::new(f64::from(*right_u), place.y)) - Vec2::new(added, 0.0);
+            let seen = rig.undistort(&raw);
+            (keypoint.x, keypoint.y) = (seen.x as f32, seen.y as f32);
+            // Nothing above zero may be left of the disparity.
+            let right = if right_u.is_nan() { f32::NAN } else { rig.undistort(&right).x as f32 };
+            *right_u = if right < keypoint.x { right } else { f32::NAN };
+        }
+        let features = Features { keypoints, descriptors: self.descriptors.clone() };
+        let (rig, scales) = (Arc::clone(rig), Arc::clone(&self.scales));
+        let mut frame = Self::new(self.index, self.timestamp_s, rig, scales, features, right_u);
+        frame.activation.clone_from(&self.activation);
+        frame.moment = Arc::clone(&self.moment);
+        frame
+    }
+
+    /// Whether both are the same features, be it by different calibrations.
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.moment, &other.moment)
     }
 
     /// Number of features.
@@ -217,5 +262,72 @@ impl Frame {
     #[inline(always)]
     pub(crate) fn grid(&self) -> &Grid {
         &self.grid
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::descriptor::Descriptor;
+    use geometry::Pinhole;
+
+    fn rig(focal: f64, k1: f64) -> Arc<Rig> {
+        let camera = Pinhole { fx: focal, fy: focal, cx: 320.0, cy: 240.0 };
+        let distortion = Distortion { k1, ..Distortion::default() };
+        Arc::new(Rig { stereo: StereoRig { camera, baseline_m: 0.1 }, distortion, width: 640, height: 480 })
+    }
+
+    fn frame(rig: &Arc<Rig>) -> Frame {
+        let place = |i: usize| Keypoint {
+            x: 100.0 + 40.0 * i as f32,
+            y: 80.0 + 30.0 * i as f32,
+            octave: 0,
+            angle_deg: 0.0,
+            response: 1.0,
+        };
+        let (keypoints, descriptors) = ((0..10).map(place).collect(), vec![Descriptor::default(); 10]);
+        let right_u = (0..10).map(|i| if i == 3 { f32::NAN } else { place(i).x - 5.0 }).collect();
+        let scales = Arc::new(ScaleLevels::new(8, 1.2));
+        Frame::new(7, 0.5, Arc::clone(rig), scales, Features { keypoints, descriptors }, right_u)
+    }
+
+    #[test]
+    fn another_calibration_shows_the_same_pixels_and_the_way_back_is_exact() {
+        let (plain, bent) = (rig(500.0, 0.0), rig(510.0, -0.1));
+        let before = frame(&plain);
+        let after = before.recalibrated(&bent, 0.5, 0.01);
+        assert!(after.is_same(&before) && !frame(&plain).is_same(&before));
+        for i in 0..10 {
+            let raw = bent.distort(&after.pixel(i));
+            assert!(
+                (raw - before.pixel(i)).norm() < 1e-3,
+                "the lens bends what is seen, not what the image holds"
+            );
+        }
+        let back = after.recalibrated(&plain, -0.5, -0.01);
+        for i in (0..10).filter(|&i| i != 3) {
+            assert!((back.pixel(i) - before.pixel(i)).norm() < 1e-3);
+            assert!(
+                (back.right_u[i] - before.right_u[i]).abs() < 0.1,
+                "rows differ a little where they bend"
+            );
+        }
+        assert!(!back.has_depth(3));
+    }
+
+    #[test]
+    fn what_is_added_to_disparities_shows_in_depth() {
+        let plain = rig(500.0, 0.0);
+        let after = frame(&plain).recalibrated(&rig(500.0, 0.0), 1.0, 0.01);
+        // Ten rows of 30 pixels from 160 above the center on.
+        let disparity = |i: usize| 5.0 + 1.0 + 0.01 * (80.0 + 30.0 * i as f64 - 240.0);
+        for i in (0..10).filter(|&i| i != 3) {
+            assert!((f64::from(after.depth[i]) - 50.0 / disparity(i)).abs() < 1e-4, "{i}");
+        }
+        assert_eq!(
+            frame(&plain).recalibrated(&plain, -6.0, 0.0).n_with_depth(),
+            0,
+            "nothing is behind infinity"
+        );
     }
 }

@@ -13,7 +13,7 @@ use crate::pyramid::Pyramid;
 use geometry::median;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use settings::{Entry, Section, above, between, integer, optional_real, real};
+use settings::{Entry, Section, above, between, optional_real, real};
 use simd::Simd;
 
 /// How disparities are searched and which are believed: the section `stereo` of the configuration.
@@ -26,8 +26,6 @@ pub struct StereoConfig {
     pub close_depth_baselines: f64,
     /// Added to every disparity: a known error of the stereo calibration, pixels.
     pub disparity_offset_px: f64,
-    /// Frames of a first pass that refines the disparity offset from the images; 0: there is no such pass.
-    pub calibration_frames: usize,
     /// The best cost must be below this share of the best one farther than three pixels away (1: no such test).
     pub uniqueness: f32,
     /// Largest disagreement of the search back from the right image, pixels of the octave.
@@ -42,7 +40,6 @@ impl Default for StereoConfig {
             min_depth_m: None,
             close_depth_baselines: 40.0,
             disparity_offset_px: 0.0,
-            calibration_frames: 0,
             uniqueness: 0.85,
             max_left_right_px: 1,
             max_residual_ratio: 2.1,
@@ -56,7 +53,6 @@ impl Section for StereoConfig {
         optional_real("stereo.min_depth_m", "m", above(0.0), "minimum depth of stereo matches; absent: five baselines"),
         real("stereo.close_depth_baselines", "baselines", above(0.0), "features nearer than this become map points at once"),
         real("stereo.disparity_offset_px", "px", between(-5.0, 5.0), "added to every disparity to correct a known error of the stereo calibration"),
-        integer("stereo.calibration_frames", "frames", [0, 100_000], "number of frames run once beforehand to refine the disparity offset from the images; 0: off"),
     ];
 }
 

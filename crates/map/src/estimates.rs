@@ -1,5 +1,8 @@
 //! `set_estimates`: writes the poses and positions of a solution.
 
+use std::sync::Arc;
+
+use features::Frame;
 use geometry::{SE3, Vec3};
 
 use crate::ids::Id;
@@ -35,6 +38,22 @@ impl Map {
         self.write_estimates(poses, positions);
         self.revision += 1;
         Ok(())
+    }
+
+    /// Replaces the frame of every keyframe by what `recalibrated` makes of it: the same features by another calibration. Poses and
+    /// positions stay; a correction that goes with it must follow.
+    ///
+    /// # Panics
+    /// When a frame has another number of features.
+    pub fn recalibrate(&mut self, recalibrated: impl Fn(&Arc<Frame>) -> Arc<Frame>) {
+        let ids: Vec<KeyframeId> = self.keyframes().map(|keyframe| keyframe.id).collect();
+        for id in ids {
+            let keyframe = self.keyframes.live_mut(id);
+            let frame = recalibrated(&keyframe.frame);
+            assert_eq!(frame.len(), keyframe.frame.len(), "a calibration neither makes nor loses features");
+            keyframe.frame = frame;
+        }
+        self.revision += 1;
     }
 
     /// Writes valid estimates of living things, then renews each affected point once.

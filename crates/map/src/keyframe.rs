@@ -12,7 +12,7 @@ use crate::{KeyframeId, PointId};
 pub struct Keyframe {
     /// Its name in the map.
     pub id: KeyframeId,
-    /// The features; never change.
+    /// The features; never change, but for their places when the camera is calibrated anew.
     pub frame: Arc<Frame>,
     /// Pose, meters, `point_cam = cam_from_world * point_world`.
     pub cam_from_world: SE3,

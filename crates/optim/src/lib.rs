@@ -25,6 +25,9 @@ mod sparse;
 #[cfg(test)]
 mod wide;
 
+pub use bundle::calibration::{
+    CalibrationProblem, CalibrationSolution, CalibrationVector, N_CALIBRATION, refine_calibration,
+};
 pub use bundle::model::{Linearization, ObservationModel, Point};
 pub use bundle::rig::{RigCamera, RigModel, RigObservation};
 pub use bundle::solver::{Edge, Graph, Minimum, minimize};

@@ -67,7 +67,7 @@ def kitti_frames(folder):
 def test_pushed_frames_have_the_bits_of_the_program(town, tmp_path):
     left, right = kitti_frames(town)
     done = pushed(town, left, right)
-    alike = ["--config", "kitti", "--set", "stereo.calibration_frames=0"]
+    alike = ["--config", "kitti", "--set", "mapping.refine_calibration=true"]
     assert trajectory_of(done, tmp_path) == trajectory_of_program(town, tmp_path, *alike)
 
 
@@ -75,7 +75,7 @@ def test_pushed_real_frames_have_the_bits_of_the_program(tmp_path):
     folder = real("kitti06_first51")
     left, right = kitti_frames(folder)
     done = pushed(folder, left, right)
-    alike = ["--config", "kitti", "--set", "stereo.calibration_frames=0"]
+    alike = ["--config", "kitti", "--set", "mapping.refine_calibration=true"]
     assert trajectory_of(done, tmp_path) == trajectory_of_program(folder, tmp_path, *alike)
 
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use features::{ActivationMap, Frame};
 use geometry::{GrayImage, SE3};
 use map::{KeyframeId, PointId, RelativePose};
-use slam::{KeyframeReason, MappingReport, OffsetEstimate, TrackStats, Tracked, World};
+use slam::{KeyframeReason, MappingReport, RefinedCalibration, TrackStats, Tracked, World};
 
 use crate::feed::FrameInfo;
 use crate::record::{FrameStatus, LoopRecord};
@@ -57,17 +57,12 @@ pub enum Event {
         /// Frames to come; `None` if that is not known.
         frames: Option<usize>,
     },
-    /// A frame of the calibration pass is done; `done` of `frames`.
-    Calibrating {
-        /// Frames done.
-        done: usize,
-        /// Frames of the pass.
-        frames: usize,
-    },
-    /// The calibration pass is over.
+    /// The map told that the calibration is off, and it was refined.
     Calibrated {
-        /// What it found; `None`: nothing clear, the calibration stays as it is.
-        estimate: Option<OffsetEstimate>,
+        /// Number of the frame whose keyframe led to it.
+        frame: u32,
+        /// What is in force now.
+        calibration: Arc<RefinedCalibration>,
     },
     /// A frame went through tracking, or was dropped.
     Frame(Box<FrameAnswer>),

@@ -46,6 +46,8 @@ pub(crate) enum Operation {
     Adopt(usize),
     /// That solution was discarded, since another loop was closed.
     Discard(usize),
+    /// The calibration was looked at once more after the last frame.
+    Settle,
 }
 
 /// Why a journal cannot be replayed.

@@ -17,7 +17,7 @@
 //!
 //! | room | what it does |
 //! |---|---|
-//! | `run.rs` | calibration pass, then all frames by the schedule asked for |
+//! | `run.rs` | all frames by the schedule asked for |
 //! | `stages/fetch.rs` | decodes ahead |
 //! | `stages/extract.rs` | images to a frame with features |
 //! | `stages/track.rs` | a frame and a state of the map to a pose |

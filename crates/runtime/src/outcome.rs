@@ -27,7 +27,7 @@ impl Parts {
     pub(crate) fn outcome(self, plan: &Plan) -> RunOutcome {
         let (setup, disparity_offset_px) = (&plan.setup, plan.disparity_offset_px);
         let Parts { tracking, mapping, world, frames, failure } = self;
-        let map = world.map;
+        let slam::World { map, calibration, .. } = world;
         let interrupted = tracking.frames.len() < frames || mapping.cut_short;
         let mut statistics = mapping.statistics;
         statistics.relocalizations = tracking.relocalizations;
@@ -50,7 +50,7 @@ impl Parts {
             loops: mapping.loops,
             statistics,
             disparity_offset_px,
-            calibration: None,
+            calibration,
             timings,
             journal,
             interrupted,

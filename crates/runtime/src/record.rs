@@ -1,5 +1,7 @@
 //! What a run leaves: a record per frame, the map, the loops, the timings.
 
+use std::sync::Arc;
+
 use std::fmt;
 
 use events::FrameState;
@@ -7,7 +9,7 @@ use features::ActivationError;
 use geometry::SE3;
 use io::{ImageError, ImageSize};
 use map::{KeyframeId, Map};
-use slam::{Lost, NotReady, OffsetEstimate};
+use slam::{Lost, NotReady, RefinedCalibration};
 use thiserror::Error;
 
 use crate::failure::StageFailure;
@@ -219,8 +221,8 @@ pub struct RunOutcome {
     pub statistics: Statistics,
     /// Disparity offset in force, pixels; see [`Setup`](crate::Setup).
     pub disparity_offset_px: f64,
-    /// What the calibration pass found, if there was one and the images told.
-    pub calibration: Option<OffsetEstimate>,
+    /// The calibration that the images told, where it is not the given one.
+    pub calibration: Option<Arc<RefinedCalibration>>,
     /// Wall-clock times.
     pub timings: Timings,
     /// In which order things happened; [`replay`](crate::replay) does the same again.

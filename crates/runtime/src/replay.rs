@@ -188,6 +188,7 @@ impl Replay<'_> {
                 }
                 self.map.discard(n, out);
             }
+            Operation::Settle => self.map.settle(out),
         }
         Ok(true)
     }

@@ -58,8 +58,8 @@ impl Ended {
 }
 
 impl Sequential {
-    /// A run that has seen no frame. `details`: whether its observers want details. There is no calibration pass, and the setup's
-    /// schedule has no meaning here.
+    /// A run that has seen no frame. `details`: whether its observers want details. The setup's schedule has no
+    /// meaning here.
     pub fn new(setup: Setup, details: bool) -> Self {
         let disparity_offset_px = setup.stereo.disparity_offset_px;
         Self::of_plan(Arc::new(Plan::new(setup, disparity_offset_px, details)))

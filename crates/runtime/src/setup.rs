@@ -113,8 +113,8 @@ impl Setup {
     pub(crate) fn world(&self) -> World {
         let places = KeyframeDatabase::new(self.vocabulary.clone()).weighted(self.slam.weights.words);
         match &self.start {
-            None => World { map: Map::new(), places },
-            Some(map) => World { places: places.with_map(map), map: map.clone() },
+            None => World { places, ..World::default() },
+            Some(map) => World { places: places.with_map(map), map: map.clone(), calibration: None },
         }
     }
 

@@ -41,13 +41,11 @@ pub struct Threaded {
 pub struct RunEnded;
 
 impl Threaded {
-    /// Starts the threads. Events go to `observer`, on one of them. There is no calibration pass.
+    /// Starts the threads. Events go to `observer`, on one of them.
     ///
     /// # Errors
     /// [`RunError::Thread`] when the first thread cannot be started.
     pub fn start(setup: Setup, observer: Box<dyn Observer + Send>) -> Result<Self, RunError> {
-        let mut setup = setup;
-        setup.stereo.calibration_frames = 0;
         let (frames, pushed) = bounded(WAITING);
         let (to_caller, answers) = unbounded();
         let stop = Arc::new(AtomicBool::new(false));

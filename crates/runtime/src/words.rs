@@ -99,16 +99,9 @@ fn of_event(event: &Event) -> Option<Words> {
             let length = frames.map_or("unknown length".to_owned(), |frames| format!("{frames} frames"));
             detail("started", format!("run of {length}")).with("frames", *frames)
         }
-        Event::Calibrated { estimate: Some(estimate) } => {
-            let (offset, sigma) = (estimate.offset_px, estimate.sigma_px);
-            let text = format!(
-                "stereo calibration refined from the images: disparity offset {offset:+.3} px (+- {sigma:.3} px)"
-            );
-            info("calibrated", text).with("offset_px", offset).with("sigma_px", sigma)
-        }
-        Event::Calibrated { estimate: None } => {
-            let text = "stereo calibration unchanged: too few keyframes constrain the disparity offset";
-            info("calibrated", text.to_owned()).with("offset_px", Value::Null)
+        Event::Calibrated { frame, calibration } => {
+            let text = format!("calibration refined at frame {frame}: {calibration}");
+            info("calibrated", text).with("frame", *frame).with("keyframes", calibration.keyframes)
         }
         Event::Frame(answer) => of_frame(answer),
         Event::Keyframe { id, frame, reason, report } => {
@@ -123,7 +116,7 @@ fn of_event(event: &Event) -> Option<Words> {
                 .with("triangulated", report.triangulated)
                 .with("culled_keyframes", report.culled_keyframes)
         }
-        Event::Calibrating { .. } | Event::Details(_) | Event::Published(_) | Event::Stages { .. } => {
+        Event::Details(_) | Event::Published(_) | Event::Stages { .. } => {
             return None;
         }
         _ => of_place(event)?,

@@ -87,15 +87,3 @@ fn a_run_on_threads_stops_soon_and_keeps_what_it_has() {
         assert_eq!((outcome.failure, outcome.map.check()), (None, Ok(())));
     }
 }
-
-#[test]
-fn a_calibration_pass_that_learns_nothing_changes_nothing() {
-    let feed = Feed(vec![Kind::Good; 4]);
-    let plain = run(&feed, &setup(), &mut Silent, &AtomicBool::new(false)).unwrap();
-    let stereo = StereoConfig { calibration_frames: 3, ..StereoConfig::default() };
-    let with_pass = Setup { stereo, ..setup() };
-    let passed = run(&feed, &with_pass, &mut Silent, &AtomicBool::new(false)).unwrap();
-    assert_eq!(passed.calibration, None);
-    assert_eq!(plain.frames, passed.frames);
-    assert_eq!(plain.map.digest(), passed.map.digest());
-}

@@ -11,7 +11,6 @@
 mod scene;
 
 mod assign;
-mod calibrate;
 mod keyframe_database;
 pub mod loops;
 pub mod lost;
@@ -22,19 +21,20 @@ pub mod params;
 mod pose;
 pub mod probe;
 mod problem;
+mod refine;
 mod search;
 mod seed;
 pub mod tracker;
 mod visibility;
 mod world;
 
-pub use calibrate::{OffsetEstimate, estimate_disparity_offset};
 pub use keyframe_database::KeyframeDatabase;
 pub use loops::{GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, NoLoop, adjust_globally};
 pub use lost::{Lost, NotReady};
 pub use mapper::{Mapper, MappingReport};
 pub use params::{CameraParams, LoopParams, MappingParams, Params, TrackingParams, Weights};
 pub use probe::{NoProbe, Probe, Stage, staged};
+pub use refine::{CALIBRATION_NAMES, RefinedCalibration};
 pub use tracker::{
     InitialPair, KeyframeReason, KeyframeRequest, NoPair, Placement, TrackState, TrackStats, Tracked, Tracker,
 };

@@ -21,6 +21,8 @@ pub enum Stage {
     LocalBundle,
     /// Culling of redundant keyframes.
     CullKeyframes,
+    /// Refinement of the calibration.
+    Calibrate,
     /// The places that look like a new keyframe.
     LoopDetect,
     /// Geometry of a loop candidate.
@@ -46,6 +48,7 @@ impl Stage {
             Stage::Fuse => "fuse",
             Stage::LocalBundle => "local_bundle",
             Stage::CullKeyframes => "cull_keyframes",
+            Stage::Calibrate => "calibrate",
             Stage::LoopDetect => "loop_detect",
             Stage::LoopVerify => "loop_verify",
             Stage::PoseGraph => "pose_graph",

@@ -15,7 +15,7 @@ fn compare(sequence: &Path, config: Option<&str>, max_frames: usize, schedule: S
     let folder = tempfile::tempdir().unwrap();
     let (out, n) = (folder.path().join("run"), max_frames.to_string());
     let file = config.map(|name| root().join("configs").join(name));
-    let sets = ["stereo.calibration_frames=0", "input.scale=0.8"];
+    let sets = ["input.scale=0.8"];
     let mut args = vec!["run", text(sequence), "--out", text(&out), "--max-frames", &n];
     args.extend(sets.iter().flat_map(|set| ["--set", set]));
     args.extend(file.iter().flat_map(|file| ["--config", text(file)]));

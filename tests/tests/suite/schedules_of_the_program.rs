@@ -64,7 +64,7 @@ fn schedules_and_threads_do_not_change_a_real_drive() {
         Some(data) => {
             let config = root().join("configs/kitti.yaml");
             let sequence = PathBuf::from(data).join("kitti06_first51");
-            let (folder, set) = (tempfile::tempdir().unwrap(), "stereo.calibration_frames=20");
+            let (folder, set) = (tempfile::tempdir().unwrap(), "mapping.neighbours=11");
             let args = ["--config", text(&config), "--set", set];
             let trial = ["run", text(&sequence), "--max-frames", "2", "--out", text(folder.path())];
             if !needs_onnxruntime(&dsslam(&[&trial[..], &args].concat())) {

@@ -73,13 +73,13 @@ fn a_video_gives_the_run_of_its_images() {
         ("one.Y4M", "mono.yaml", &["image_0"], "mono"),
     ] {
         let video = videos.video(name, 14, cameras, 0);
-        videos.run(&video, calibration, &["--set", "stereo.calibration_frames=5"]).expect_success();
+        videos.run(&video, calibration, &[]).expect_success();
         let of_video = summary(&videos.path("results"));
         assert_eq!((&of_video["frames"], &of_video["sensor"]), (&14.into(), &sensor.into()), "{of_video:#}");
         assert_eq!(of_video["interrupted"], false);
         let out = videos.path("images");
         let camera = videos.path(calibration);
-        let args = ["--max-frames", "14", "--set", "stereo.calibration_frames=5", "--calib", text(&camera)];
+        let args = ["--max-frames", "14", "--calib", text(&camera)];
         dsslam(&[&["run", text(rendered()), "--out", text(&out)][..], &args].concat()).expect_success();
         let of_images = summary(&out);
         assert_eq!(of_video["trajectory_sha256"], of_images["trajectory_sha256"], "{name}");

@@ -32,12 +32,12 @@ fn the_layout_chooses_the_configuration_and_the_program_says_which() {
     let line = "configuration kitti, built in, as the layout suggests; --config takes another";
     assert!(stderr.lines().any(|l| l == line), "{stderr}");
     assert_eq!(summary["preset"], "kitti");
-    assert!(config.contains("calibration_frames: 400"), "{config}");
+    assert!(config.contains("fast_initial: 12"), "{config}");
     for (name, preset) in [("kitti", Value::Null), ("kitti.yaml", Value::Null), ("default", Value::Null)] {
         let lacks = ["--set", "features.selection=response"];
         let (stderr, summary, config) = run(&[&["--config", name], &lacks[..]].concat());
         assert_eq!(summary["preset"], preset, "{stderr}");
-        assert_eq!(config.contains("calibration_frames: 400"), name != "default", "{config}");
+        assert_eq!(config.contains("fast_initial: 12"), name != "default", "{config}");
     }
     let args = ["run", "kitti/sequences/06", "--config", "kiti.yaml"];
     let Call { code, stderr, .. } = dsslam_in(dir.path(), &args);

@@ -92,7 +92,7 @@ fn wrong_type() {
     assert_eq!(
         refused("stereo: 5\n"),
         "DIR/c.yaml:1:9: stereo: found 5, expected a section with keys min_depth_m, close_depth_baselines, \
-             disparity_offset_px, calibration_frames"
+             disparity_offset_px"
     );
     assert_eq!(
         refused("seed: [1, 2]\n"),

@@ -1,5 +1,6 @@
 //! Bundle adjustment of the rig: poses and points from pixel measurements.
 
+pub(crate) mod calibration;
 pub(crate) mod cholesky;
 pub(crate) mod model;
 pub(crate) mod ordering;

@@ -37,6 +37,20 @@ impl RigCamera {
     }
 }
 
+impl RigCamera {
+    /// The camera moved by a step of its tangent space, `exp(step) cam_from_world`.
+    pub(crate) fn moved(&self, step: &[f64; 6]) -> Self {
+        Self::new((SE3::exp(&Vec6::from(*step)) * self.cam_from_world).normalized())
+    }
+
+    /// A row vector of the camera's frame in that of the world.
+    #[inline(always)]
+    pub(crate) fn turned_back(&self, row: &[f64; 3]) -> [f64; 3] {
+        let r = &self.rotation;
+        std::array::from_fn(|k| row[0] * r[0][k] + row[1] * r[1][k] + row[2] * r[2][k])
+    }
+}
+
 /// One measurement of the rig.
 #[derive(Clone, Copy, Debug)]
 pub struct RigObservation {
@@ -59,6 +73,18 @@ impl RigObservation {
             inv_sigma_sq,
             right_inv_sigma_sq: if has_right { inv_sigma_sq } else { 0.0 },
         }
+    }
+
+    /// Predicted minus measured left column, row and right column, pixels; the last is no measurement where its information is 0.
+    #[inline(always)]
+    pub(crate) fn residual(&self, [u, v, right_u]: [f64; 3]) -> [f64; 3] {
+        [u - self.u, v - self.v, right_u - self.right_u]
+    }
+
+    /// Inverse variances of left column, row and right column, 1/px^2.
+    #[inline(always)]
+    pub(crate) fn information(&self) -> [f64; 3] {
+        [self.inv_sigma_sq, self.inv_sigma_sq, self.right_inv_sigma_sq]
     }
 
     /// The 95 % limit of the squared whitened error.
@@ -118,7 +144,7 @@ impl ObservationModel<6> for RigModel {
     type Observation = RigObservation;
 
     fn moved(&self, camera: &RigCamera, step: &[f64; 6]) -> RigCamera {
-        RigCamera::new((SE3::exp(&Vec6::from(*step)) * camera.cam_from_world).normalized())
+        camera.moved(step)
     }
 
     #[inline(always)]

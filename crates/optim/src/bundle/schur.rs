@@ -4,6 +4,8 @@
 //! (U + damping - Z Z^T) dx = -g_c - Z y, y = -L^-1 g_p, and the point step dp = L^-T (y - Z^T dx).
 //! (Triggs et al. 2000, section 6; each point's blocks stay in the first cache level.)
 
+pub(crate) mod border;
+
 use super::cholesky::BlockCholesky;
 use super::model::{Linearization, ObservationModel, Point};
 use super::point::{PointFactor, damping_scale};
@@ -28,6 +30,11 @@ pub(crate) struct Cost {
 }
 
 impl Cost {
+    /// With a cost that does not come from observations.
+    pub(crate) fn plus(self, other: f64) -> Self {
+        Self { defined: self.defined + other, ..self }
+    }
+
     /// Both parts.
     pub(crate) fn total(&self) -> f64 {
         self.defined + self.undefined

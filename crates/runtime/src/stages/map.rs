@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use map::KeyframeId;
-use slam::{KeyframeRequest, LoopCorrection, LoopOutcome, Mapper, World};
+use slam::{KeyframeRequest, LoopCorrection, LoopOutcome, Mapper, RefinedCalibration, World};
 
 use crate::events::Event;
 use crate::failure::Halt;
@@ -120,6 +120,7 @@ impl MapStage {
             }
             self.bring_in(Moment::End, rule, out)?;
         }
+        self.settle(out);
         Ok(())
     }
 
@@ -179,11 +180,10 @@ impl MapStage {
         out.log.operations.push(Operation::Insert(n));
         self.requests += 1;
         let mut watch = Stopwatch::new(request.frame.index);
-        let inserted = self.mapper.insert(request, &mut watch);
-        let index = request.frame.index;
+        let (inserted, index) = (self.mapper.insert(request, &mut watch), request.frame.index);
         self.note_times(n, index, watch.finish().stages, out);
         let keyframe = inserted?;
-        out.log.inserted.push(InsertedFrame { n, index: request.frame.index, keyframe });
+        out.log.inserted.push(InsertedFrame { n, index, keyframe });
         let map = &self.mapper.world().map;
         let is_root = map.keyframe(keyframe).is_some_and(|k| k.parent().is_none());
         if is_root && map.n_keyframes() > 1 {
@@ -204,11 +204,33 @@ impl MapStage {
         out.log.operations.push(Operation::Refine(n));
         self.refined += 1;
         let Some(id) = keyframe else { return };
+        let before = self.mapper.world().calibration.clone();
         let mut watch = Stopwatch::new(request.frame.index);
         let report = watch.time("map", |watch| self.mapper.refine(id, watch));
         let frame = request.frame.index;
         self.note_times(n, frame, watch.finish().stages, out);
         (out.emit)(Event::Keyframe { id, frame, reason: request.reason, report });
+        self.tell_calibration(before, frame, out);
+    }
+
+    /// Looks at the calibration once more after the last frame, if this run has changed the map.
+    pub(crate) fn settle(&mut self, out: &mut Out<'_>) {
+        let Some(last) = out.log.inserted.last() else { return };
+        let (n, frame, mut watch) = (last.n, last.index, Stopwatch::new(last.index));
+        out.log.operations.push(Operation::Settle);
+        let before = self.mapper.world().calibration.clone();
+        self.mapper.settle(&mut watch);
+        self.note_times(n, frame, watch.finish().stages, out);
+        self.tell_calibration(before, frame, out);
+    }
+
+    /// Tells of a calibration that is not the one `before`.
+    fn tell_calibration(&self, before: Option<Arc<RefinedCalibration>>, frame: u32, out: &mut Out<'_>) {
+        if let Some(calibration) = self.mapper.world().calibration.clone()
+            && before.is_none_or(|before| !Arc::ptr_eq(&before, &calibration))
+        {
+            (out.emit)(Event::Calibrated { frame, calibration });
+        }
     }
 
     /// Notes times of work that belongs to the frame at `n`, whose number is `frame`.

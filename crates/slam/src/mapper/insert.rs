@@ -21,17 +21,15 @@ impl Mapper {
         };
         let matches = self.world.map.resolve_matches(&request.matches);
         let keyframe = self.world.map.next_keyframe_id();
-        let points = depth_points(&request.frame, &cam_from_world, &matches, &self.params)
+        let frame = self.world.calibrated(&request.frame);
+        let points = depth_points(&frame, &cam_from_world, &matches, &self.params)
             .into_iter()
             .map(|(feature, position)| NewPoint {
                 position,
                 observations: vec![Observation { keyframe, feature }],
             })
             .collect();
-        let batch = Batch {
-            keyframe: Some(NewKeyframe { frame: request.frame.clone(), cam_from_world, matches, parent }),
-            points,
-        };
+        let batch = Batch { keyframe: Some(NewKeyframe { frame, cam_from_world, matches, parent }), points };
         let inserted = self.world.map.insert(batch).ok()?;
         self.young.extend(inserted.points);
         inserted.keyframe
@@ -42,9 +40,11 @@ impl Mapper {
         let keyframe = |frame: &Arc<Frame>, cam_from_world, parent| {
             Some(NewKeyframe { frame: frame.clone(), cam_from_world, matches: Vec::new(), parent })
         };
-        let root = keyframe(&pair.first, pair.first_from_world, Parent::NewSubmap);
+        let [first_frame, second_frame] =
+            [&pair.first, &request.frame].map(|frame| self.world.calibrated(frame));
+        let root = keyframe(&first_frame, pair.first_from_world, Parent::NewSubmap);
         let first = self.world.map.insert(Batch { keyframe: root, points: Vec::new() }).ok()?.keyframe?;
-        self.world.places.add(first, &pair.first);
+        self.world.places.add(first, &first_frame);
         let second = self.world.map.next_keyframe_id();
         let points = pair
             .points
@@ -57,7 +57,7 @@ impl Mapper {
                 ],
             })
             .collect();
-        let child = keyframe(&request.frame, pair.second_from_world, Parent::Under(first));
+        let child = keyframe(&second_frame, pair.second_from_world, Parent::Under(first));
         let inserted = self.world.map.insert(Batch { keyframe: child, points }).ok()?;
         self.young.extend(inserted.points);
         inserted.keyframe

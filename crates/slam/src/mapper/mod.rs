@@ -9,11 +9,14 @@ mod local_bundle;
 mod triangulate;
 mod triangulate_pair;
 
-use map::{KeyframeId, MapError, PointCount, PointId};
+use std::sync::Arc;
+
+use map::{Correction, KeyframeId, MapError, PointCount, PointId};
 
 use crate::loops::{GlobalSolution, LoopCorrection};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
+use crate::refine::{Refinement, refined};
 use crate::tracker::KeyframeRequest;
 use crate::world::World;
 
@@ -43,12 +46,13 @@ pub struct Mapper {
     params: Params,
     /// Points on probation, in order of creation.
     young: Vec<PointId>,
+    refinement: Refinement,
 }
 
 impl Mapper {
     /// A mapper that continues with a world, usually [`World::new`].
     pub fn new(params: Params, world: World) -> Self {
-        Mapper { world, params, young: Vec::new() }
+        Mapper { world, params, young: Vec::new(), refinement: Refinement::default() }
     }
 
     /// The world as it is now; a clone is a snapshot.
@@ -83,8 +87,32 @@ impl Mapper {
         let fused = staged(probe, Stage::Fuse, || self.fuse(keyframe));
         let adjusted = staged(probe, Stage::LocalBundle, || self.adjust(keyframe));
         let culled_keyframes = staged(probe, Stage::CullKeyframes, || self.cull_keyframes(keyframe));
+        let n_keyframes = self.world.map.n_keyframes();
+        if self.params.mapping.refine_calibration && self.refinement.is_due(n_keyframes) {
+            staged(probe, Stage::Calibrate, || self.calibrate());
+        }
         debug_assert_eq!(self.world.map.check(), Ok(()), "after keyframe {keyframe:?}");
         MappingReport { culled_points, triangulated, fused, culled_keyframes, ..adjusted }
+    }
+
+    /// Looks at the calibration once more at the end of a run, when the map tells most.
+    pub fn settle(&mut self, probe: &mut dyn Probe) {
+        if self.params.mapping.refine_calibration && self.refinement.fits(self.world.map.n_keyframes()) {
+            staged(probe, Stage::Calibrate, || self.calibrate());
+        }
+    }
+
+    /// Looks for errors of the calibration, and takes them out of the whole map.
+    fn calibrate(&mut self) {
+        let now = self.world.calibration.clone();
+        let Some((found, correction)) = refined(&self.world.map, now.as_deref(), &self.params) else {
+            return;
+        };
+        self.world.map.recalibrate(|frame| found.apply(frame, now.as_deref()));
+        let correction = Correction { seen_revision: self.world.map.revision(), ..correction };
+        let corrected = self.world.map.apply_correction(&correction);
+        debug_assert_eq!(corrected, Ok(()));
+        self.world.calibration = Some(Arc::new(found));
     }
 
     /// Applies a loop to the map as it is now and fuses what both of its sides see.

@@ -1,7 +1,7 @@
 //! The section `mapping` of the configuration.
 
 use serde::{Deserialize, Serialize};
-use settings::{Entry, Section, between, integer, optional_integer, real};
+use settings::{Entry, Section, between, flag, integer, optional_integer, real};
 
 /// Parameters of the mapper: the section `mapping` of the configuration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,6 +25,8 @@ pub struct MappingParams {
     pub max_local_keyframes: usize,
     /// Close points made from depth when a keyframe is inserted; all that are closer are made anyway.
     pub min_depth_points: usize,
+    /// Whether the calibration is refined from the map so far (not with depth images).
+    pub refine_calibration: bool,
 }
 
 impl Default for MappingParams {
@@ -39,6 +41,7 @@ impl Default for MappingParams {
             min_covisible_weight: 15,
             max_local_keyframes: 40,
             min_depth_points: 100,
+            refine_calibration: true,
         }
     }
 }
@@ -50,6 +53,7 @@ impl Section for MappingParams {
         integer("mapping.local_ba_first_iterations", "", [1, 1000], "local bundle adjustment: iterations with the robust kernel").expert(),
         integer("mapping.local_ba_second_iterations", "", [0, 1000], "local bundle adjustment: iterations after outliers are removed").expert(),
         real("mapping.keyframe_cull_ratio", "", between(0.1, 1.0), "a keyframe is culled when more than this fraction of its points is seen by three others").expert(),
+        flag("mapping.refine_calibration", "refine the calibration from the map so far: focal lengths, center and distortion of one camera, disparities of a pair; what the images do not tell clearly stays"),
         real("mapping.point_found_ratio", "", between(0.0, 1.0), "a recent point is culled when it is found in less than this fraction of the frames that should see it").expert(),
     ];
 }

@@ -52,7 +52,7 @@ impl Section for TrackingParams {
         integer("tracking.init_min_features", "", [10, 100_000], "features with depth needed to start a map").expert(),
         integer("tracking.min_inliers", "", [4, 10_000], "minimum matched map points; a frame with fewer is lost"),
         optional_real("tracking.keyframe_ratio", "", between(0.0, 1.0), "a keyframe is due when less than this fraction of the reference's points is tracked; absent: 0.75, monocular 0.9"),
-        integer("tracking.close_tracked_min", "", [0, 100_000], "close points tracked, below which a keyframe is due ...").expert(),
+        integer("tracking.close_tracked_min", "", [0, 100_000], "close points tracked, below which a keyframe is due (of 2000 features; in proportion of fewer) ...").expert(),
         integer("tracking.close_untracked_max", "", [0, 100_000], "... if more close features than this have no point").expert(),
     ];
 }

@@ -14,6 +14,10 @@ const WEAK_RATIO: f64 = 0.25;
 const YOUNG_RATIO: f64 = 0.4;
 /// With fewer inliers a keyframe would not be worth inserting.
 const MIN_INLIERS: usize = 15;
+/// Features of a frame for which the numbers of close points are made; with fewer they shrink in proportion.
+const MANY_FEATURES: f64 = 2000.0;
+/// With fewer inliers a keyframe is due while it still can be made.
+const NEARLY_LOST: usize = 50;
 /// Points of the reference count from this many observations on.
 const MIN_OBSERVATIONS: usize = 3;
 
@@ -57,7 +61,7 @@ pub(crate) struct Counts {
 
 /// Conditions A (gap), B (idle mapper), C (weak) and D (worth it); a keyframe is due when (A or B or C) and D.
 pub(crate) fn decide(counts: &Counts) -> Option<KeyframeReason> {
-    let few_close = counts.close_tracked < counts.close_tracked_min
+    let few_close = (counts.close_tracked < counts.close_tracked_min || counts.inliers < NEARLY_LOST)
         && counts.close_untracked > counts.close_untracked_max;
     let ratio = if counts.n_keyframes < 2 { YOUNG_RATIO } else { counts.ratio };
     let reference = counts.reference_points as f64;
@@ -101,6 +105,7 @@ impl Tracker {
         let close = |wanted: bool| {
             (0..frame.len()).filter(|&i| frame.depth[i] < close_depth && tracked[i] == wanted).count()
         };
+        let scale = (frame.len() as f64 / MANY_FEATURES).min(1.0);
         decide(&Counts {
             frames_since_keyframe: frame.index.saturating_sub(self.last_keyframe_index),
             max_gap: self.params.camera.max_keyframe_gap,
@@ -112,8 +117,8 @@ impl Tracker {
             close_tracked: close(true),
             close_untracked: close(false),
             ratio: self.params.keyframe_ratio(),
-            close_tracked_min: self.params.tracking.close_tracked_min,
-            close_untracked_max: self.params.tracking.close_untracked_max,
+            close_tracked_min: (scale * self.params.tracking.close_tracked_min as f64) as usize,
+            close_untracked_max: (scale * self.params.tracking.close_untracked_max as f64) as usize,
         })
     }
 }

@@ -23,7 +23,7 @@ impl LastFrame {
     /// The newest keyframe, if it is this frame.
     pub(crate) fn of_newest_keyframe(map: &Map, frame: &Arc<Frame>) -> Option<Self> {
         let newest = map.newest_keyframe().and_then(|id| map.keyframe(id));
-        let keyframe = newest.filter(|kf| Arc::ptr_eq(&kf.frame, frame))?;
+        let keyframe = newest.filter(|kf| kf.frame.is_same(frame))?;
         let shown = keyframe.points().iter().zip(0..);
         Some(LastFrame {
             frame: keyframe.frame.clone(),

@@ -148,6 +148,19 @@ impl Tracker {
         mapper_idle: bool,
         probe: &mut dyn Probe,
     ) -> Tracked {
+        let mut tracked = self.track_calibrated(&world.calibrated(frame), world, mapper_idle, probe);
+        // As it was extracted: the map may have another calibration by the time it is inserted.
+        tracked.keyframe.iter_mut().for_each(|request| request.frame = frame.clone());
+        tracked
+    }
+
+    fn track_calibrated(
+        &mut self,
+        frame: &Arc<Frame>,
+        world: &World,
+        mapper_idle: bool,
+        probe: &mut dyn Probe,
+    ) -> Tracked {
         let map = &world.map;
         if let Some(started) = &self.starting {
             let Some(first) = LastFrame::of_newest_keyframe(map, started) else {

@@ -186,7 +186,7 @@ pub(crate) fn params() -> Params {
 
 /// A mapper that continues with a map, without a vocabulary.
 pub(crate) fn mapper(map: Map, params: &Params) -> Mapper {
-    Mapper::new(params.clone(), World { map, places: KeyframeDatabase::default() })
+    Mapper::new(params.clone(), World { map, ..World::default() })
 }
 
 /// A map with all its keyframes described in the words of the built-in vocabulary.
