@@ -37,7 +37,7 @@ fn compare(sequence: &Path, config: Option<&str>, max_frames: usize, schedule: S
             (_, Some(depth)) => Images::from((&frame.left, depth)),
             _ => Images::from(&frame.left),
         };
-        slam.track(nanoseconds(source.timestamp_s), images).unwrap();
+        slam.track(source.timestamp_ns, images).unwrap();
     }
     let done = slam.finish().unwrap();
     let pushed = folder.path().join("pushed.txt");

@@ -97,9 +97,10 @@ impl Variant {
     pub fn of(&self, mut sequence: Sequence, baseline_m: f64) -> Sequence {
         let mut frames = sequence.frames;
         if self.reversed {
-            let last_s = frames.last().map_or(0.0, |frame| frame.timestamp_s);
+            let last = frames.last();
+            let (last_s, last_ns) = last.map_or((0.0, 0), |last| (last.timestamp_s(), last.timestamp_ns));
             frames.reverse();
-            frames.iter_mut().for_each(|frame| frame.timestamp_s = last_s - frame.timestamp_s);
+            frames.iter_mut().for_each(|frame| frame.timestamp_ns = last_ns - frame.timestamp_ns);
             for pose in sequence.ground_truth.iter_mut().flat_map(|truth| &mut truth.poses) {
                 pose.timestamp_s = last_s - pose.timestamp_s;
             }
