@@ -50,11 +50,6 @@ fn compare(sequence: &Path, config: Option<&str>, max_frames: usize, schedule: S
     assert_eq!(summary(&out)["map_digest"], digest);
 }
 
-/// The whole nanoseconds nearest to a time, without the rounding of a product.
-fn nanoseconds(seconds: f64) -> i64 {
-    format!("{seconds:.9}").replace('.', "").parse().unwrap()
-}
-
 #[test]
 fn rendered_frames() {
     compare(rendered(), None, 25, Schedule::Lockstep);
