@@ -110,7 +110,9 @@ pub(crate) fn write(
     let parts: Vec<(String, Part<'_>)> =
         several.iter().map(|(root, frames)| (root.clone(), Part::new(frames, job))).collect();
     for (root, part) in &parts {
-        files.write(|| io::write_tum_at(&folder.file(&submap_file(root)), &tracked_poses(part.frames), &clock));
+        files.write(|| {
+            io::write_tum_at(&folder.file(&submap_file(root)), &tracked_poses(part.frames), &clock)
+        });
         write_body(&mut files, job, &format!("trajectory_body_submap_{root}.tum.txt"), part.frames);
     }
     let map = job.extras.save_map.as_ref().and_then(|file| files.note(finished.save_map(file)));

@@ -5,7 +5,9 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use bag::{Bag, CameraInfo, Choice, Roles, Stamp, Topic, choose, pair};
-use io::{ImageError, ImageSize, LoadedFrame, OpenOptions, Sensor, Sequence, SequenceKind, StampedPose, Trajectory};
+use io::{
+    ImageError, ImageSize, LoadedFrame, OpenOptions, Sensor, Sequence, SequenceKind, StampedPose, Trajectory,
+};
 use runtime::{FrameFeed, FrameInfo, Preparation, Unusable};
 
 use crate::Error;
@@ -35,7 +37,8 @@ impl OpenedBag {
     /// A path that is not a bag, a topic that is not there, a calibration that cannot be used.
     pub(crate) fn new(path: &Path, options: &OpenOptions, roles: Option<&Roles>) -> Result<Self, Error> {
         let truth = options.ground_truth.as_deref();
-        let pose_topic = truth.filter(|truth| !truth.is_file()).map(|truth| truth.to_string_lossy().into_owned());
+        let pose_topic =
+            truth.filter(|truth| !truth.is_file()).map(|truth| truth.to_string_lossy().into_owned());
         let mut bag = Bag::open(path, pose_topic.as_deref())?;
         let choice = choose(path, bag.topics(), roles)?.as_sensor(options.sensor);
         let sensor = choice.sensor();
@@ -53,15 +56,22 @@ impl OpenedBag {
             Some(file) => Some(io::open_cameras(file, Some(sensor))?.0),
             None => described(&bag, choice, &mut warnings)?,
         };
-        let name = path.file_stem().map_or_else(|| "bag".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        let name =
+            path.file_stem().map_or_else(|| "bag".to_owned(), |stem| stem.to_string_lossy().into_owned());
         let sequence = described.unwrap_or_else(|| Sequence::new("", SequenceKind::Bag, sensor));
         let ground_truth = match truth.filter(|truth| truth.is_file()) {
             Some(file) => Some(io::read_trajectory(file, None)?.trajectory),
             None => poses(&bag),
         };
         warnings.extend(sequence.warnings);
-        let sequence =
-            Sequence { name, kind: SequenceKind::Bag, frame_rate_hz: None, ground_truth, warnings, ..sequence };
+        let sequence = Sequence {
+            name,
+            kind: SequenceKind::Bag,
+            frame_rate_hz: None,
+            ground_truth,
+            warnings,
+            ..sequence
+        };
         Ok(Self { sequence, size, bag, choice, frames })
     }
 }
@@ -77,7 +87,8 @@ fn frames(bag: &Bag, choice: Choice, tolerance_s: f64) -> (Vec<BagFrame>, String
     let right = bag.stamps(second);
     let times = |stamps: &[Stamp]| -> Vec<i64> { stamps.iter().map(|stamp| stamp.t_ns).collect() };
     let paired = pair(&times(left), &times(right), (tolerance_s * 1e9) as u64);
-    let frames = paired.pairs.iter().map(|&(i, j)| BagFrame { left: left[i], second: Some(right[j]) }).collect();
+    let frames =
+        paired.pairs.iter().map(|&(i, j)| BagFrame { left: left[i], second: Some(right[j]) }).collect();
     let told = format!(
         "{}: {} of {} images of {} have a partner in {}, at most {:.3} ms apart (within {} ms)",
         bag.path().display(),
@@ -119,7 +130,8 @@ fn described(bag: &Bag, choice: Choice, warnings: &mut Vec<String>) -> Result<Op
         return Ok(None);
     }
     // Calibrations are read in one place, from files.
-    let folder = tempfile::tempdir().map_err(|reason| Error::unreadable(Path::new("temporary folder"), &reason))?;
+    let folder =
+        tempfile::tempdir().map_err(|reason| Error::unreadable(Path::new("temporary folder"), &reason))?;
     let names = if infos.len() == 2 { &["left.yaml", "right.yaml"][..] } else { &["camera.yaml"][..] };
     for ((topic, info), name) in infos.iter().zip(names) {
         io::write_atomic(&folder.path().join(name), yaml(topic, info).as_bytes())?;
@@ -138,7 +150,10 @@ fn yaml(topic: &Topic, info: &CameraInfo) -> String {
     let is_rectified = topic.name.contains("rect");
     let p = &info.p;
     let (k, r) = if is_rectified {
-        ([p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+        (
+            [p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]],
+            [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        )
     } else {
         (info.k, info.r)
     };
@@ -223,7 +238,10 @@ impl FrameFeed for BagFeed {
     }
 
     fn info(&self, i: usize) -> FrameInfo {
-        FrameInfo { index: u32::try_from(i).unwrap_or(u32::MAX), timestamp_s: seconds(self.frames[i].left.t_ns) }
+        FrameInfo {
+            index: u32::try_from(i).unwrap_or(u32::MAX),
+            timestamp_s: seconds(self.frames[i].left.t_ns),
+        }
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {

@@ -102,7 +102,8 @@ pub(crate) fn run(
     options.input.sensor = arguments::sensor(sensor)?;
     options.input.calibration = calibration;
     options.input.ground_truth = ground_truth;
-    options.input.topics = topics.map(str::parse).transpose().map_err(|error: dsslam::bag::BagError| raised(error))?;
+    options.input.topics =
+        topics.map(str::parse).transpose().map_err(|error: dsslam::bag::BagError| raised(error))?;
     options.input.max_frames = max_frames;
     options.slam = arguments::options(map, localize, vocabulary, network, schedule)?;
     let stop = Arc::clone(&stop.get().0);

@@ -44,7 +44,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Runs SLAM on a sequence of images.
     #[command(after_help = help::run())]
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Renders a street course, runs SLAM on it, prints the errors and draws the trajectory. Needs no data.
     #[command(after_help = help::demo())]
     Demo(DemoArgs),

@@ -67,10 +67,7 @@ fn one_repeated_stamp_costs_one_frame() {
 #[test]
 fn recordings_that_are_files_are_named() {
     let folder = Folder::new();
-    for (name, what) in [
-        ("a.zip", "an archive"),
-        ("a.svo2", "a ZED recording"),
-    ] {
+    for (name, what) in [("a.zip", "an archive"), ("a.svo2", "a ZED recording")] {
         let message = folder.hide(open_sequence(&folder.file(name), None).unwrap_err());
         assert!(message.starts_with(&format!("DIR/{name}: {what}, which is not read;")), "{message}");
     }
