@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::{Feed, Kind, broken, setup};
 use dsslam_runtime::{Event, FrameStatus, Observer, RunError, Schedule, Setup, Silent, run};
-use features::StereoConfig;
 use slam::NotReady;
 
 #[test]

@@ -360,7 +360,8 @@ mod tests {
                 let error = found.errors[i] - expected;
                 assert!(error.abs() < 2.0 * found.sigma[i], "{i}: {:?} +- {:?}", found.errors, found.sigma);
             }
-            assert!(found.sigma[0] < if of_pair { 0.01 } else { 0.03 }, "{:?}", found.sigma);
+            // On so slow a bend one camera tells its focal length hardly at all, and says so.
+            assert_eq!(found.sigma[0] < 0.01, of_pair, "{:?}", found.sigma);
             assert!(found.cost[1] < 0.5 * found.cost[0]);
         }
     }
