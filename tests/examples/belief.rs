@@ -3,7 +3,7 @@
 //! many earlier frames the point was matched.
 //!
 //! `cargo run --release -p dsslam-tests --example belief -- SEQUENCE [KEY=VALUE]... > points.csv`
-#![allow(clippy::print_stdout, reason = "a program for people")]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for people")]
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -1,5 +1,7 @@
 //! Bags written by hand, whole and damaged. Bags of independent writers are read by the tests of the Python module.
 
+#![allow(clippy::unwrap_used)]
+
 mod suite {
     mod damaged;
     mod kinds;

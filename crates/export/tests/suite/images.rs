@@ -81,7 +81,7 @@ fn a_lens_is_taken_out_of_the_images() {
 #[test]
 fn a_keyframe_of_another_sequence_is_named() {
     let (folder, mut sequence) = sequence(of_size);
-    sequence.frames[4].timestamp_s += 0.01;
+    sequence.frames[4].timestamp_ns += 10_000_000;
     let scene = Scene::of(&street(), 0).unwrap();
     let error = SceneImages::find(&scene, &sequence, Path::new("street")).unwrap_err();
     drop(folder);
