@@ -23,7 +23,7 @@ fn run(arguments: &[&str]) -> anyhow::Result<()> {
     let Command::Eval(command) = Program::try_parse_from(all)?.command;
     let host = Host {
         settings: &|_, _| anyhow::bail!("no configuration here"),
-        network: &|_, _, _, _| anyhow::bail!("no network here"),
+        network: &|_, _, _| anyhow::bail!("no network here"),
         vocabulary: &|_| anyhow::bail!("no vocabulary here"),
         progress: &|_, _| {},
     };
