@@ -11,7 +11,7 @@ use io::{
 use runtime::{FrameFeed, FrameInfo, Preparation, Unusable};
 
 use crate::Error;
-use crate::slam::seconds;
+
 
 /// The images of one frame.
 struct BagFrame {
@@ -180,7 +180,7 @@ fn poses(bag: &Bag) -> Option<Trajectory> {
         .poses()
         .0
         .iter()
-        .map(|pose| StampedPose { timestamp_s: seconds(pose.t_ns), world_from_cam: pose.pose })
+        .map(|pose| StampedPose { timestamp_s: io::seconds(pose.t_ns), world_from_cam: pose.pose })
         .collect();
     poses.sort_by(|a, b| a.timestamp_s.total_cmp(&b.timestamp_s));
     poses.dedup_by_key(|pose| pose.timestamp_s);
@@ -240,7 +240,7 @@ impl FrameFeed for BagFeed {
     fn info(&self, i: usize) -> FrameInfo {
         FrameInfo {
             index: u32::try_from(i).unwrap_or(u32::MAX),
-            timestamp_s: seconds(self.frames[i].left.t_ns),
+            timestamp_s: io::seconds(self.frames[i].left.t_ns),
         }
     }
 

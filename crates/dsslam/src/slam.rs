@@ -97,7 +97,7 @@ impl Slam {
         let name = self.intake.path.as_path();
         let frame = self.intake.preparation.apply(frame, name);
         self.last_ns = Some(t_ns);
-        let info = FrameInfo { index: self.n_frames, timestamp_s: seconds(t_ns) };
+        let info = FrameInfo { index: self.n_frames, timestamp_s: io::seconds(t_ns) };
         self.n_frames += 1;
         match &mut self.engine {
             Engine::Here(line) => Ok(line.step_masked(info, frame, mask, &mut Silent)?),
@@ -166,22 +166,8 @@ impl Slam {
     }
 }
 
-/// Nanoseconds as the double nearest to the seconds that they are, so that a time has the bits of the same time in a file.
-pub(crate) fn seconds(t_ns: i64) -> f64 {
-    const PER_SECOND: u64 = 1_000_000_000;
-    // Up to 104 days both numbers are exact, and so is the rounding of their quotient.
-    if t_ns.unsigned_abs() < 1 << 53 {
-        return t_ns as f64 / PER_SECOND as f64;
-    }
-    let (sign, ns) = (if t_ns < 0 { "-" } else { "" }, t_ns.unsigned_abs());
-    let text = format!("{sign}{}.{:09}", ns / PER_SECOND, ns % PER_SECOND);
-    text.parse().unwrap_or(t_ns as f64 / PER_SECOND as f64)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[test]
     fn seconds_are_those_of_the_same_time_in_a_file() {
         for (t_ns, text) in [
@@ -193,7 +179,7 @@ mod tests {
             (1_403_636_579_763_555_584, "1403636579.763555584"),
             (-1_403_636_579_763_555_584, "-1403636579.763555584"),
         ] {
-            assert_eq!(seconds(t_ns), text.parse::<f64>().unwrap(), "{text}");
+            assert_eq!(io::seconds(t_ns), text.parse::<f64>().unwrap(), "{text}");
         }
     }
 }

@@ -41,7 +41,7 @@ fn compare(sequence: &Path, config: Option<&str>, max_frames: usize, schedule: S
     }
     let done = slam.finish().unwrap();
     let pushed = folder.path().join("pushed.txt");
-    io::write_tum(&pushed, &done.trajectory()).unwrap();
+    io::write_tum_at(&pushed, &done.trajectory(), &io::Clock::of(&input.sequence().frames)).unwrap();
     let [expected, found] =
         [out.join("trajectory.tum.txt"), pushed].map(|file| std::fs::read_to_string(file).unwrap());
     assert!(found.lines().count() > max_frames / 2, "{found}");

@@ -32,6 +32,7 @@ pub use error::DatasetError;
 pub use layout::{SequenceKind, layout_of};
 pub use raw::{RawCalibration, RawCamera, RectifiedView};
 pub use variant::{Variant, VariantError};
+pub use stamps::seconds;
 pub use video::{Video, open_cameras, open_video};
 
 /// A camera as a dataset describes it.

@@ -8,14 +8,15 @@ use crate::file::{FileError, Line, TextFile, counted, shown};
 /// Nanoseconds in a second.
 const SECOND: i64 = 1_000_000_000;
 
-/// Seconds of a time: the nearest double.
-pub(crate) fn seconds(ns: i64) -> f64 {
-    /// Up to here a double holds every whole number, and one division rounds once.
-    const EXACT: u64 = 1 << 53;
-    if ns.unsigned_abs() <= EXACT {
+/// Nanoseconds as the double nearest to the seconds that they are, so that a time has the bits of the same time in a file.
+pub fn seconds(ns: i64) -> f64 {
+    // Up to 104 days both numbers are exact, and so is the rounding of their quotient.
+    if ns.unsigned_abs() < 1 << 53 {
         return ns as f64 / SECOND as f64;
     }
-    ns.div_euclid(SECOND) as f64 + ns.rem_euclid(SECOND) as f64 / SECOND as f64
+    let (sign, whole, rest) =
+        (if ns < 0 { "-" } else { "" }, ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
+    format!("{sign}{whole}.{rest:09}").parse().unwrap_or(ns as f64 / SECOND as f64)
 }
 
 /// The nearest time to this many seconds.
@@ -45,11 +46,15 @@ fn parse_date(text: &str) -> Option<i64> {
     let mut parts = time.trim().trim_end_matches('Z').splitn(3, ':');
     let (hours, minutes): (i64, i64) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
     let rest = parse(parts.next()?)?;
-    let is_valid = (1970..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
+    let is_date = (1970..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
+    let is_time = (0..24).contains(&hours) && (0..60).contains(&minutes) && (0..61 * SECOND).contains(&rest);
+    if !(is_date && is_time) {
+        return None;
+    }
     // Days since 1970 in the Gregorian calendar, whose year is taken to begin in March.
     let (y, m) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
     let days = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1 - 719_468;
-    is_valid.then(|| ((days * 24 + hours) * 60 + minutes) * 60 * SECOND + rest)
+    Some(((days * 24 + hours) * 60 + minutes) * 60 * SECOND + rest)
 }
 
 /// The time in a file name: whole nanoseconds, microseconds or milliseconds since 1970, or seconds with a point.
@@ -61,8 +66,8 @@ pub(super) fn of_name(stem: &str) -> Option<i64> {
     }
     match (whole.len(), fraction) {
         (18 | 19, "") => whole.parse().ok(),
-        (16, "") => Some(whole.parse::<i64>().ok()? * 1_000),
-        (13, "") => Some(whole.parse::<i64>().ok()? * 1_000_000),
+        (16, "") => whole.parse::<i64>().ok()?.checked_mul(1_000),
+        (13, "") => whole.parse::<i64>().ok()?.checked_mul(1_000_000),
         (1..=10, fraction) if is_number(fraction) && fraction.len() >= 3 => parse(stem),
         _ => None,
     }
@@ -202,7 +207,14 @@ mod tests {
         assert_eq!(parse_date("1970-01-02 00:00:01.000000007"), Some(86_401 * SECOND + 7));
         assert_eq!(parse_date("2011-09-26 13:02:25.964389445"), Some(1_317_042_145_964_389_445));
         assert_eq!(parse_date("2000-02-29T12:00:00Z"), Some(951_825_600 * SECOND));
-        assert_eq!((parse_date("0.5"), parse_date("2011-13-26 13:02:25.9")), (None, None));
+        for text in [
+            "0.5",
+            "2011-13-26 13:02:25.9",
+            "9223372036854775807-01-01 0:0:0",
+            "2011-01-01 9223372036854775807:0:0",
+        ] {
+            assert_eq!(parse_date(text), None, "{text}");
+        }
     }
 
     #[test]
@@ -210,6 +222,7 @@ mod tests {
         assert_eq!(of_name("1403636579763555584"), Some(1_403_636_579_763_555_584));
         assert_eq!(of_name("1305031452.791720"), Some(1_305_031_452_791_720_000));
         assert_eq!(of_name("1305031452791"), Some(1_305_031_452_791_000_000));
+        assert_eq!((of_name("9999999999999"), of_name("9999999999999999999")), (None, None), "too late");
         assert_eq!((of_name("000012"), of_name("frame-1"), of_name("2.1")), (None, None, None));
         assert_eq!(of_names(["1403636579763555584", "1403636579763555583"].into_iter()), None, "going back");
     }
