@@ -12,7 +12,6 @@ use runtime::{FrameFeed, FrameInfo, Preparation, Unusable};
 
 use crate::Error;
 
-
 /// The images of one frame.
 struct BagFrame {
     left: Stamp,

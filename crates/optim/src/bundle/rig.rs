@@ -75,7 +75,7 @@ impl RigObservation {
         }
     }
 
-    /// Predicted minus measured left column, row and right column, pixels; the last is no measurement where its information is 0.
+    /// Predicted minus measured left column, row and right column, pixels; the last does not count where its information is 0.
     #[inline(always)]
     pub(crate) fn residual(&self, [u, v, right_u]: [f64; 3]) -> [f64; 3] {
         [u - self.u, v - self.v, right_u - self.right_u]
