@@ -238,13 +238,8 @@ impl Summary {
             submaps_joined: statistics.submaps_joined,
             relocalizations: statistics.relocalizations,
             global_adjustments: statistics.globals_adopted,
-<<<<<<< ours
-            disparity_offset_px: outcome.disparity_offset_px,
-=======
             disparity_offset_px: outcome.disparity_offset_px
                 + outcome.calibration.as_ref().map_or(0.0, |found| found.errors[4]),
-            per_submap,
->>>>>>> theirs
             calibration_errors: outcome.calibration.as_ref().map(|found| found.named().collect()),
             per_submap,
             alignment: errors.map(|e| e.alignment.to_string()),
