@@ -181,7 +181,7 @@ mod tests {
         let times = (0..10u32).map(|i| (i, f64::from(i) * 0.5 + 3.0));
         let frames = times.clone().map(|(index, timestamp_s)| super::super::FrameSource {
             index,
-            timestamp_s,
+            timestamp_ns: (timestamp_s * 1e9) as i64,
             ..one.frames[0].clone()
         });
         let pose = |(i, timestamp_s): (u32, f64)| StampedPose {
@@ -215,7 +215,7 @@ mod tests {
     fn frames_run_backwards_with_their_poses() {
         let plain = sequence(Sensor::Mono);
         let back = variant("reversed-start1-every2").of(plain.clone(), 0.0);
-        let times: Vec<f64> = back.frames.iter().map(|frame| frame.timestamp_s).collect();
+        let times: Vec<f64> = back.frames.iter().map(super::super::FrameSource::timestamp_s).collect();
         assert_eq!(times, [0.5, 1.5, 2.5, 3.5, 4.5]);
         assert_eq!(back.frames[2].index, 2);
         let (truth, old) = (back.ground_truth.unwrap(), plain.ground_truth.unwrap());
