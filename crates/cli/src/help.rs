@@ -110,7 +110,7 @@ Examples:
   dsslam config default --expert
   dsslam config check my.yaml
   dsslam config check my.yaml --sequence kitti/sequences/06 --changed
-  dsslam config calib camchain.yaml > calibration.yaml",
+  dsslam config calib camera.yaml > calibration.yaml",
     )
 }
 
@@ -130,8 +130,7 @@ pub(crate) fn bag() -> String {
     with_codes(
         "\
 Examples:
-  dsslam inspect bag drive.mcap
-  dsslam run drive.mcap --topics left=/cam0/image_raw,right=/cam1/image_raw",
+  dsslam inspect bag drive.bag",
     )
 }
 

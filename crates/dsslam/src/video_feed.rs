@@ -80,7 +80,9 @@ impl State {
         self.held = None;
         match self.stream.reader.next_frame() {
             Ok(Some(frame)) => {
+                // Whole nanoseconds, as those of files.
                 let time_s = frame.timestamp_s.unwrap_or(n as f64 / frame_rate_hz);
+                let time_s = io::seconds((time_s * 1e9).round() as i64);
                 // A second pass gives the same times.
                 if n == self.times_s.len() {
                     self.times_s.push(time_s);

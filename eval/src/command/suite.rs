@@ -44,8 +44,8 @@ Examples:
 
 pub(super) const COMPARE_HELP: &str = "\
 Examples:
-  dsslam eval compare results/peers                  # ratios to the references, configurations against the first
-  dsslam eval compare results/peers --before before  # against the same suite run by an earlier program";
+  dsslam eval compare results/short                         # ratios to the references, configurations against the first
+  dsslam eval compare results/short --before results/short  # against the same suite run by an earlier program";
 
 pub(super) const PLOT_HELP: &str = "\
 Examples:

@@ -86,7 +86,7 @@ fn the_picture_shows_image_map_and_features() {
     let args = ["inspect", "activation", text(&image), "-o", text(&picture), "--keep", "300"];
     let Some(call) = with_network(&args) else { return };
     call.expect_success();
-    assert!(call.stdout.contains("\nkept       300 features, mean activation 0."), "{call}");
+    assert!(call.stdout.contains("\nkept        300 features, mean activation 0."), "{call}");
     let (image, picture) = (image::open(&image).unwrap(), image::open(&picture).unwrap());
     assert_eq!(picture.width(), image.width());
     assert!(picture.height() > 3 * image.height(), "three pictures with gaps");

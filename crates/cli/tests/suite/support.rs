@@ -127,6 +127,8 @@ fn prepare(dir: &Path) {
     call(dir, &["inspect", "vocab", "train", "images/left", "-k", "3", "-l", "2", "-o", "ORBvoc.txt"]);
     call(dir, &["run", "kitti/sequences/06", "--out", "finished", "--save-map", "street.dsmap"]);
     symlink(dir.join("street.dsmap"), dir.join("campus.dsmap")).unwrap();
+    // A bag without messages.
+    fs::write(dir.join("drive.bag"), "#ROSBAG V2.0\n").unwrap();
     fs::create_dir(dir.join("kitti/poses")).unwrap();
     fs::copy(sequence.join("poses.txt"), dir.join("kitti/poses/06.txt")).unwrap();
     for name in ["est.txt", "groundtruth.txt"] {

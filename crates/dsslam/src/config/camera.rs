@@ -75,9 +75,9 @@ impl Config {
     }
 
     /// Takes over the value of a depth image at one meter that the dataset gives; a notice if another one was given.
-    pub fn apply_depth_units(&mut self, units_per_metre: f64, source: &str) -> Option<String> {
-        let old = std::mem::replace(&mut self.camera.depth_units_per_metre, units_per_metre);
-        self.note_replaced("camera.depth_units_per_metre", old, units_per_metre, source)
+    pub fn apply_depth_units(&mut self, units_per_meter: f64, source: &str) -> Option<String> {
+        let old = std::mem::replace(&mut self.camera.depth_units_per_metre, units_per_meter);
+        self.note_replaced("camera.depth_units_per_metre", old, units_per_meter, source)
     }
 
     fn note_replaced(&mut self, key: &str, old: f64, new: f64, source: &str) -> Option<String> {
