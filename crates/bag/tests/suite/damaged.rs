@@ -30,7 +30,10 @@ fn a_bag_cut_anywhere_is_read_as_far_as_it_goes() {
             let (n, remarks) = read(&cut).unwrap();
             assert!(n >= last, "a longer file holds no less");
             // A ROS 1 bag may end after any record.
-            assert!(n == 20 || !remarks.is_empty() || whole.ends_with("a.bag"), "{length} bytes: nothing is said");
+            assert!(
+                n == 20 || !remarks.is_empty() || whole.ends_with("a.bag"),
+                "{length} bytes: nothing is said"
+            );
             last = n;
         }
         assert_eq!((last >= 17, read(&whole).unwrap()), (true, (20, Vec::new())));

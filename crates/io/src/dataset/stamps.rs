@@ -102,7 +102,7 @@ impl Order {
     /// # Errors
     /// It lies before the last one, or too many are repeated.
     pub(super) fn next(&mut self, line: &Line<'_>, ns: i64) -> Result<(), FileError> {
-        /// More than one in so many is not a hiccup.
+        /// More than every N-th is more than a hiccup.
         const RARE: usize = 10;
         let last = self.last.replace(ns);
         self.n += 1;
@@ -133,7 +133,7 @@ fn shown_seconds(ns: i64) -> String {
 /// A line per frame: seconds, or a date with a time of day.
 ///
 /// # Errors
-/// [`FileError`] for what is no time, and times that go back.
+/// [`FileError`] for what is not a time, and times that go back.
 pub(super) fn read_list(path: &Path) -> Result<Vec<i64>, FileError> {
     const EXPECTED: &str = "a time in seconds per line";
     let file = TextFile::read(path, EXPECTED)?;

@@ -29,7 +29,7 @@ pub(super) fn read(
         Ok(read) => read,
         Err(problem @ FileError::Missing { .. }) => return Err(problem),
         Err(problem) => {
-            warnings.push(format!("{problem}; the run goes on without ground truth"));
+            warnings.push(format!("{problem}; the run continues without ground truth"));
             return Ok(None);
         }
     };

@@ -142,7 +142,7 @@ impl<'a> Field<'a> {
     /// All numbers of a list, of a list of rows, of a matrix with `data`, or of a text with blanks between them.
     ///
     /// # Errors
-    /// The field is missing, or something in it is no finite number.
+    /// The field is missing, or something in it is not a finite number.
     pub(crate) fn numbers(&self, expected: &str) -> Result<Vec<f64>, DatasetError> {
         self.need(expected)?;
         if self.at("data").is_there() {

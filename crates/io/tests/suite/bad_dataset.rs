@@ -206,7 +206,7 @@ fn broken_ground_truth_never_stops_a_run() {
     assert_eq!(
         opened("1 0 0 0 0 1 0 0 0 0 1\n"),
         (
-            "DIR/poses.txt:1: found 11 numbers, expected 12 numbers (the 3x4 pose, row by row); the run goes on without ground \
+            "DIR/poses.txt:1: found 11 numbers, expected 12 numbers (the 3x4 pose, row by row); the run continues without ground \
              truth"
                 .to_owned(),
             None

@@ -207,7 +207,7 @@ fn broken_xml_of_boofcv() {
     }
     let message = open_with("<opencv_storage/>").unwrap_err();
     assert!(
-        message.starts_with(": found text without fields, expected one of these calibrations: BoofCV"),
+        message.starts_with(": found the fields opencv_storage, expected one of these calibrations: BoofCV"),
         "{message}"
     );
 }

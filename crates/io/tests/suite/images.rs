@@ -123,7 +123,7 @@ fn depth_in_meters_as_tiff_and_16_bits_as_tiff() {
         image::ImageBuffer::from_fn(40, 20, |x, _| image::Luma([if x == 3 { 65535 } else { x as u16 }]));
     units.save(&path).unwrap();
     let depth = dsslam_io::load_depth(&path).unwrap();
-    assert_eq!((depth.data[2], depth.data[3]), (2, 0), "65535 is no depth");
+    assert_eq!((depth.data[2], depth.data[3]), (2, 0), "65535 means unknown depth");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Text files as editors leave them, and paths that are no files.
+//! Text files as editors leave them, and paths that are not files.
 
 use dsslam_io::{Sensor, load_gray, open_sequence, read_calibration};
 
