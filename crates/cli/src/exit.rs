@@ -23,7 +23,7 @@ pub(crate) enum Exit {
 pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
   0    success
-  1    fewer than half of the usable frames have a pose; or --strict, and the scale disagrees with the ground truth
+  1    fewer than half of the usable frames have a pose; with --strict also: the scale is off
   2    invalid arguments, configuration or dataset, or doubtful figures with --strict; no frame was processed
   3    the results cannot be written
   4    a stage of the run failed, which is a bug; results so far have been written

@@ -44,8 +44,8 @@ Examples:
 
 pub(super) const COMPARE_HELP: &str = "\
 Examples:
-  dsslam eval compare results/short                         # ratios to the references, configurations against the first
-  dsslam eval compare results/short --before results/short  # against the same suite run by an earlier program";
+  dsslam eval compare results/short                         # configurations against the first
+  dsslam eval compare results/short --before results/short  # against an earlier run of the suite";
 
 pub(super) const PLOT_HELP: &str = "\
 Examples:
