@@ -121,7 +121,7 @@ impl Default for Refinement {
 }
 
 impl Refinement {
-    /// Whether a map of so many keyframes is looked at as a whole.
+    /// Whether a map of this many keyframes is looked at as a whole.
     pub(crate) fn fits(&self, n_keyframes: usize) -> bool {
         n_keyframes <= MAX_KEYFRAMES
     }

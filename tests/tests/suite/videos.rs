@@ -79,7 +79,7 @@ fn a_video_gives_the_run_of_its_images() {
         assert_eq!(of_video["interrupted"], false);
         let out = videos.path("images");
         let camera = videos.path(calibration);
-        let args = ["--max-frames", "14", "--calib", text(&camera)];
+        let args = ["--max-frames", "14", "--sensor", sensor, "--calib", text(&camera)];
         dsslam(&[&["run", text(rendered()), "--out", text(&out)][..], &args].concat()).expect_success();
         let of_images = summary(&out);
         assert_eq!(of_video["trajectory_sha256"], of_images["trajectory_sha256"], "{name}");
