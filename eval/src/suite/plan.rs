@@ -145,7 +145,7 @@ impl Plan {
     /// Runs each sequence that has no variant of its own in these.
     ///
     /// # Errors
-    /// A word that is no variant, or a variant that occurs twice.
+    /// A word that is not a variant, or a variant that occurs twice.
     pub fn vary(&mut self, variants: &[String]) -> Result<()> {
         if variants.is_empty() {
             return Ok(());
