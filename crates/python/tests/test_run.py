@@ -3,6 +3,7 @@
 import _thread
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -101,6 +102,8 @@ def test_an_observer_sees_each_frame_and_may_end_the_run(town):
 
 def test_ctrl_c_ends_a_run_with_its_results(town):
     def interrupt(kind, what):
+        # Slow enough for the signal to arrive.
+        time.sleep(0.02)
         if kind == "frame" and what.index == 5:
             _thread.interrupt_main()
 
