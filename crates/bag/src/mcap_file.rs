@@ -7,7 +7,7 @@ use mcap::parse_record;
 use mcap::records::Record;
 
 use crate::error::BagError;
-use crate::storage::{Pieces, Place, Seen, Storage, limited, unzstd};
+use crate::storage::{Pieces, Place, Seen, Storage, limited, plain, unzstd};
 use crate::wire::Wire;
 
 /// What the file begins and ends with.
@@ -108,13 +108,7 @@ impl McapFile {
         let place =
             Place { file: 0, record, offset: (offset + MESSAGE_HEAD) as u32, length: data.len() as u32 };
         let log_ns = i64::try_from(log_ns).unwrap_or(i64::MAX);
-        let unpacked;
-        let data = if self.is_packed {
-            unpacked = unzstd(data, u64::MAX)?;
-            &unpacked
-        } else {
-            data
-        };
+        let data = &*plain(data, self.is_packed)?;
         visit(Seen { topic, type_name, wire, log_ns, place, data });
         Ok(())
     }
@@ -196,10 +190,8 @@ impl Storage for McapFile {
             let data = records.get(offset..offset + length);
             data.ok_or_else(|| self.pieces.broken(place.record, "a message has moved".to_owned()))?.to_vec()
         };
-        if self.is_packed {
-            return unzstd(&data, u64::MAX).map_err(|reason| self.pieces.broken(place.record, reason));
-        }
-        Ok(data)
+        let data = plain(&data, self.is_packed).map_err(|reason| self.pieces.broken(place.record, reason))?;
+        Ok(data.into_owned())
     }
 }
 

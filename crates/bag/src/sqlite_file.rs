@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::{Connection, OpenFlags};
 
 use crate::error::BagError;
-use crate::storage::{Place, Seen, Storage, unzstd};
+use crate::storage::{Place, Seen, Storage, plain};
 use crate::wire::Wire;
 
 /// What the file begins with.
@@ -51,13 +51,7 @@ impl Storage for SqliteFile {
                     return Ok(true);
                 }
                 let data = row.get_ref(5).map_err(text)?.as_blob().map_err(|error| error.to_string())?;
-                let unpacked;
-                let data = if self.is_packed {
-                    unpacked = unzstd(data, u64::MAX)?;
-                    &unpacked
-                } else {
-                    data
-                };
+                let data = &*plain(data, self.is_packed)?;
                 let place = Place { file: 0, record: last, offset: 0, length: data.len() as u32 };
                 let (topic, type_name) = (column(topic), column(type_name));
                 visit(Seen { topic: &topic, type_name: &type_name, wire: Wire::Cdr, log_ns, place, data });
@@ -80,6 +74,6 @@ impl Storage for SqliteFile {
         let mut statement = self.connection.prepare_cached(query).map_err(|error| failed(&error))?;
         let row = i64::try_from(place.record).unwrap_or(i64::MAX);
         let data: Vec<u8> = statement.query_row([row], |row| row.get(0)).map_err(|error| failed(&error))?;
-        if self.is_packed { unzstd(&data, u64::MAX).map_err(|error| failed(&error)) } else { Ok(data) }
+        Ok(plain(&data, self.is_packed).map_err(|error| failed(&error))?.into_owned())
     }
 }

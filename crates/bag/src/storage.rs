@@ -1,5 +1,6 @@
 //! What all kinds of bags have in common: messages in the order of the file, each with its topic.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -99,6 +100,14 @@ impl Pieces {
 pub(crate) fn unzstd(bytes: &[u8], limit: u64) -> Result<Vec<u8>, String> {
     let decoder = zstd::Decoder::new(bytes).map_err(|error| error.to_string())?;
     limited(decoder, limit)
+}
+
+/// The data of a message, unpacked if each is packed by itself.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn plain(data: &[u8], is_packed: bool) -> Result<Cow<'_, [u8]>, String> {
+    if is_packed { unzstd(data, u64::MAX).map(Cow::Owned) } else { Ok(Cow::Borrowed(data)) }
 }
 
 /// Reads to the end, at most `limit` bytes.

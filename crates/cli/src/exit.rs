@@ -24,7 +24,7 @@ pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
   0    success
   1    fewer than half of the usable frames have a pose; with --strict also: the scale is off
-  2    invalid arguments, configuration or dataset, or doubtful figures with --strict; no frame was processed
+  2    invalid arguments, configuration or dataset, or doubts with --strict; no frame was processed
   3    the results cannot be written
   4    a stage of the run failed, which is a bug; results so far have been written
   130  interrupted (Ctrl-C, SIGTERM); results so far have been written";

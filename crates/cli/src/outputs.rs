@@ -99,20 +99,19 @@ pub(crate) fn write(
     remove_old(folder);
     let (kitti, tum) = (folder.file("trajectory.kitti.txt"), folder.file("trajectory.tum.txt"));
     files.write(|| io::write_kitti(&kitti, &pose_per_frame(whole.frames)));
-    let clock = io::Clock::of(&job.sequence().frames);
-    files.write(|| io::write_tum_at(&tum, &tracked_poses(whole.frames), &clock));
+    let clock = job.session.input().clock();
+    files.write(|| io::write_tum_at(&tum, &tracked_poses(whole.frames), clock));
     if job.sequence().kind == io::SequenceKind::VslamLab {
         let csv = folder.file("trajectory.vslamlab.csv");
-        files.write(|| io::write_vslamlab(&csv, &tracked_poses(whole.frames), &clock));
+        files.write(|| io::write_vslamlab(&csv, &tracked_poses(whole.frames), clock));
     }
     write_body(&mut files, job, "trajectory_body.tum.txt", whole.frames);
     let several = several_submaps(outcome.frames.as_slice());
     let parts: Vec<(String, Part<'_>)> =
         several.iter().map(|(root, frames)| (root.clone(), Part::new(frames, job))).collect();
     for (root, part) in &parts {
-        files.write(|| {
-            io::write_tum_at(&folder.file(&submap_file(root)), &tracked_poses(part.frames), &clock)
-        });
+        files
+            .write(|| io::write_tum_at(&folder.file(&submap_file(root)), &tracked_poses(part.frames), clock));
         write_body(&mut files, job, &format!("trajectory_body_submap_{root}.tum.txt"), part.frames);
     }
     let map = job.extras.save_map.as_ref().and_then(|file| files.note(finished.save_map(file)));
@@ -181,8 +180,8 @@ fn write_body(files: &mut Files<'_>, job: &Job, name: &str, frames: &[FrameRecor
     let sequence = job.sequence();
     if let Some(body) = body_records(frames, sequence.sensor, &sequence.body_from_left) {
         let path = files.folder.file(name);
-        let clock = io::Clock::of(&sequence.frames);
-        files.write(|| io::write_tum_at(&path, &tracked_poses(&body), &clock));
+        let clock = job.session.input().clock();
+        files.write(|| io::write_tum_at(&path, &tracked_poses(&body), clock));
     }
 }
 

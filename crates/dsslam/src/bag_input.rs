@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use bag::{Bag, CameraInfo, Choice, Roles, Stamp, Topic, choose, pair};
+use bag::{Bag, CameraInfo, Choice, Roles, Stamp, Topic, choose};
 use io::{
     ImageError, ImageSize, LoadedFrame, OpenOptions, Sensor, Sequence, SequenceKind, StampedPose, Trajectory,
 };
@@ -75,6 +75,13 @@ impl OpenedBag {
     }
 }
 
+impl OpenedBag {
+    /// Stamps of the frames, nanoseconds.
+    pub(crate) fn stamps(&self) -> impl Iterator<Item = i64> {
+        self.frames.iter().map(|frame| frame.left.t_ns)
+    }
+}
+
 /// The frames, and what they were made of in words.
 fn frames(bag: &Bag, choice: Choice, tolerance_s: f64) -> (Vec<BagFrame>, String) {
     let name = |topic: usize| bag.topics()[topic].name.as_str();
@@ -84,18 +91,20 @@ fn frames(bag: &Bag, choice: Choice, tolerance_s: f64) -> (Vec<BagFrame>, String
         return (frames, format!("{}: images of {}", bag.path().display(), name(choice.left)));
     };
     let right = bag.stamps(second);
-    let times = |stamps: &[Stamp]| -> Vec<i64> { stamps.iter().map(|stamp| stamp.t_ns).collect() };
-    let paired = pair(&times(left), &times(right), (tolerance_s * 1e9) as u64);
-    let frames =
-        paired.pairs.iter().map(|&(i, j)| BagFrame { left: left[i], second: Some(right[j]) }).collect();
+    let times =
+        |stamps: &[Stamp]| -> Vec<f64> { stamps.iter().map(|stamp| io::seconds(stamp.t_ns)).collect() };
+    let partners = io::associate(&times(left), &times(right), tolerance_s);
+    let pairs = left.iter().zip(partners).filter_map(|(left, partner)| Some((*left, right[partner?])));
+    let frames: Vec<BagFrame> = pairs.map(|(left, second)| BagFrame { left, second: Some(second) }).collect();
+    let apart = |frame: &BagFrame| frame.second.map_or(0, |second| frame.left.t_ns.abs_diff(second.t_ns));
     let told = format!(
         "{}: {} of {} images of {} have a partner in {}, at most {:.3} ms apart (within {} ms)",
         bag.path().display(),
-        paired.pairs.len(),
+        frames.len(),
         left.len(),
         name(choice.left),
         name(second),
-        paired.widest_ns as f64 * 1e-6,
+        frames.iter().map(apart).max().unwrap_or(0) as f64 * 1e-6,
         tolerance_s * 1e3
     );
     (frames, told)

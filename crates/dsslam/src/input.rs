@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use features::{Extractor, ExtractorConfig, Rig};
-use io::{OpenOptions, Sensor, Sequence, Variant};
+use io::{Clock, OpenOptions, Sensor, Sequence, Variant};
 use runtime::{FrameFeed, SequenceFeed, Setup};
 use synth::World;
 
@@ -39,6 +39,7 @@ pub struct InputOptions {
 pub struct Input {
     intake: Intake,
     feed: Box<dyn FrameFeed + Send>,
+    clock: Clock,
 }
 
 impl fmt::Debug for Input {
@@ -64,9 +65,10 @@ impl Input {
         if bag::is_bag(path) {
             let opened = OpenedBag::new(path, &opening, options.topics.as_ref())?;
             let intake = Intake::new(path, opened.sequence.clone(), Some(opened.size), config)?;
+            let clock = Clock::of_stamps(opened.stamps());
             let units = intake.config.camera.depth_units_per_metre;
             let feed = Box::new(BagFeed::new(opened, intake.preparation.clone(), max_frames, units));
-            return Ok(Self { intake, feed });
+            return Ok(Self { intake, feed, clock });
         }
         if video::is_video(path) || video::is_camera(path) {
             if options.variant != Variant::default() {
@@ -78,8 +80,9 @@ impl Input {
             let opened = Opened::new(path, &opening)?;
             let (sequence, size) = (opened.video.sequence.clone(), opened.video.size);
             let intake = Intake::new(path, sequence, Some(size), config)?;
+            let clock = Clock::default();
             let feed = Box::new(VideoFeed::new(opened, intake.preparation.clone(), max_frames));
-            return Ok(Self { intake, feed });
+            return Ok(Self { intake, feed, clock });
         }
         let sequence = io::open_sequence_with(path, &opening)?;
         Self::files(path, sequence, config, (max_frames, options.variant))
@@ -103,7 +106,8 @@ impl Input {
         sequence.frames.truncate(max_frames.unwrap_or(usize::MAX));
         let intake = Intake::new(path, sequence, None, config)?.varied(variant);
         let feed = SequenceFeed::prepared(&intake.sequence, intake.preparation.clone(), max_frames);
-        Ok(Self { intake, feed: Box::new(feed) })
+        let clock = Clock::of(&intake.sequence.frames);
+        Ok(Self { intake, feed: Box::new(feed), clock })
     }
 
     /// A rendered world, whose frames are rendered when they are asked for.
@@ -117,7 +121,12 @@ impl Input {
         let (name, size) = (PathBuf::from(&sequence.name), rendered::image_size(&world));
         let intake = Intake::new(&name, sequence, Some(size), config)?;
         let feed = rendered::RenderedFeed::new(world, len, sensor, intake.preparation.clone());
-        Ok(Self { intake, feed: Box::new(feed) })
+        Ok(Self { intake, feed: Box::new(feed), clock: Clock::default() })
+    }
+
+    /// The stamps of the frames, exactly as they were read, where they are known beforehand.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
     }
 
     /// What was opened.

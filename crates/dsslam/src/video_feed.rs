@@ -62,7 +62,7 @@ impl VideoFeed {
 }
 
 impl State {
-    /// Begins with the first frame again, as a calibration pass makes necessary.
+    /// Begins with the first frame again, as a second run over the same input does.
     fn restart(&mut self, path: &Path) {
         match Stream::open(path) {
             Ok(stream) => {

@@ -17,8 +17,8 @@ pub use config::{
 };
 pub use dataset::{
     Calibration, CameraFile, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera,
-    RectifiedView, Sequence, SequenceKind, Times, Variant, VariantError, Video, layout_of, open_cameras,
-    open_sequence, open_sequence_with, open_video, read_calibration, seconds,
+    RectifiedView, Sequence, SequenceKind, Times, Variant, VariantError, Video, associate, layout_of,
+    open_cameras, open_sequence, open_sequence_with, open_video, read_calibration, seconds,
 };
 pub use file::{FileError, create_output_folder, write_atomic, write_durable};
 pub use geometry::Sensor;

@@ -88,7 +88,7 @@ impl<'py> Pixels<'py> {
         Err(wrong_shape(name, pixels.array.shape(), "(height, width)"))
     }
 
-    /// Whether the bytes are those of the array that was given, for tests.
+    /// The image as the library takes it.
     pub(crate) fn view(&self) -> ImageView<'_> {
         let bytes = match self.format {
             PixelFormat::Gray8 => 1,

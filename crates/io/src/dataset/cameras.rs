@@ -7,6 +7,7 @@ use geometry::{
     rectify_stereo,
 };
 
+use super::Sequence;
 use super::{Calibration, DatasetError, RawCalibration, RawCamera, RectifiedView};
 
 /// The calibration of a sequence, raw and rectified.
@@ -17,6 +18,14 @@ pub(super) struct Cameras {
     pub(super) views: Vec<RectifiedView>,
     /// Pose of the left camera, after rectification, in the body.
     pub(super) body_from_left: SE3,
+}
+
+impl Sequence {
+    /// The same, seen by these cameras.
+    pub(super) fn seen_by(self, cameras: Cameras) -> Self {
+        let Cameras { calibration, raw, views, body_from_left } = cameras;
+        Self { calibration, raw_calibration: raw, rectification: views, body_from_left, ..self }
+    }
 }
 
 /// Where a calibration was read: the files and fields that errors name.

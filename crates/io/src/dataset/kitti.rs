@@ -141,13 +141,10 @@ pub(super) fn open(
     };
     Ok(Sequence {
         frames,
-        calibration: eyes.cameras.calibration,
-        raw_calibration: eyes.cameras.raw,
-        rectification: eyes.cameras.views,
         ground_truth,
         body_from_left,
         warnings,
-        ..Sequence::new(folder_name(root), variant.kind, eyes.sensor)
+        ..Sequence::new(folder_name(root), variant.kind, eyes.sensor).seen_by(eyes.cameras)
     })
 }
 

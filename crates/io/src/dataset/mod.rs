@@ -27,6 +27,7 @@ use crate::file::FileError;
 use crate::images::{ImageError, ImageSize, half_size, image_size, inspect};
 use crate::trajectory::Trajectory;
 
+pub use associate::associate;
 pub use camera_file::{CameraFile, read_calibration};
 pub use error::DatasetError;
 pub use layout::{SequenceKind, layout_of};

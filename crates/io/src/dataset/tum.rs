@@ -84,13 +84,11 @@ pub(super) fn open(
     let cameras = cameras.unwrap_or_default();
     Ok(Sequence {
         frames,
-        calibration: cameras.calibration,
-        raw_calibration: cameras.raw,
-        rectification: cameras.views,
         ground_truth,
+        body_from_left: geometry::SE3::identity(),
         depth_units_per_metre: lists.depth_units_per_metre,
         warnings,
-        ..Sequence::new(folder_name(dir), SequenceKind::TumRgbd, sensor)
+        ..Sequence::new(folder_name(dir), SequenceKind::TumRgbd, sensor).seen_by(cameras)
     })
 }
 

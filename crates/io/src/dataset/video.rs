@@ -44,14 +44,7 @@ pub fn open_cameras(file: &Path, sensor: Option<Sensor>) -> Result<(Sequence, Im
 /// A sequence without frames that is called as the file.
 fn sequence(path: &Path, sensor: Sensor, cameras: Cameras, frame_rate_hz: Option<f64>) -> Sequence {
     let name = path.file_stem().map_or_else(|| folder_name(path), |stem| stem.to_string_lossy().into_owned());
-    Sequence {
-        calibration: cameras.calibration,
-        raw_calibration: cameras.raw,
-        rectification: cameras.views,
-        body_from_left: cameras.body_from_left,
-        frame_rate_hz,
-        ..Sequence::new(name, SequenceKind::Video, sensor)
-    }
+    Sequence { frame_rate_hz, ..Sequence::new(name, SequenceKind::Video, sensor).seen_by(cameras) }
 }
 
 /// A video whose frames have this size, with the calibration file of `options`.

@@ -56,13 +56,9 @@ pub(super) fn open(dir: &Path, options: &OpenOptions, given: &Given) -> Result<S
     let ground_truth = truth::read(options, &usual, format, &frames, &mut warnings)?;
     Ok(Sequence {
         frames,
-        calibration: cameras.calibration,
-        raw_calibration: cameras.raw,
-        rectification: cameras.views,
         ground_truth,
-        body_from_left: cameras.body_from_left,
         warnings,
-        ..Sequence::new(folder_name(dir), SequenceKind::VslamLab, sensor)
+        ..Sequence::new(folder_name(dir), SequenceKind::VslamLab, sensor).seen_by(cameras)
     })
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::super::dataset::FrameSource;
-use super::super::dataset::stamps::nanoseconds;
+use super::super::dataset::stamps::{nanoseconds, seconds};
 
 /// The times of a sequence's frames, so that poses are written with the very stamps that were read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,8 +18,12 @@ pub(super) struct Stamp(i64);
 impl Clock {
     /// The clock of these frames.
     pub fn of(frames: &[FrameSource]) -> Self {
-        let mut times: Vec<(f64, i64)> =
-            frames.iter().map(|frame| (frame.timestamp_s(), frame.timestamp_ns)).collect();
+        Self::of_stamps(frames.iter().map(|frame| frame.timestamp_ns))
+    }
+
+    /// The clock of these stamps, nanoseconds.
+    pub fn of_stamps(stamps: impl Iterator<Item = i64>) -> Self {
+        let mut times: Vec<(f64, i64)> = stamps.map(|ns| (seconds(ns), ns)).collect();
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
         Self { times }
     }

@@ -1,13 +1,12 @@
 //! EuRoC ground truth (`state_groundtruth_estimate0/data.csv`): nanoseconds, position, quaternion w x y z, more columns.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use geometry::{SE3, Vec3};
 
-use super::{Clock, StampedPose, Trajectory, rotation_from_quaternion};
+use super::{Clock, StampedPose, Trajectory, numbers, rotation_from_quaternion, write_rows};
 use crate::dataset::stamps::{nanoseconds, seconds};
-use crate::file::{FileError, Line, counted, write_atomic};
+use crate::file::{FileError, Line, counted};
 
 pub(super) const EXPECTED: &str = "at least 8 comma-separated numbers (ns, px, py, pz, qw, qx, qy, qz)";
 
@@ -36,21 +35,12 @@ pub(super) fn row(line: &Line<'_>, w_first: bool) -> Result<StampedPose, FileErr
 /// # Errors
 /// [`FileError::Unwritable`].
 pub fn write_euroc(path: &Path, trajectory: &Trajectory) -> Result<(), FileError> {
-    let mut text = String::from(
-        "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n",
-    );
-    for pose in &trajectory.poses {
-        let t = pose.world_from_cam.translation;
-        let q = pose.world_from_cam.rotation.to_quaternion();
-        let nanoseconds = nanoseconds(pose.timestamp_s).max(0);
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{nanoseconds},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12}",
-            t.x, t.y, t.z, q.w, q.i, q.j, q.k
-        );
-    }
-    write_atomic(path, text.as_bytes())
+    const HEADER: &str = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n";
+    let row = |pose: &StampedPose| {
+        let [x, y, z, i, j, k, w] = numbers(&pose.world_from_cam);
+        (nanoseconds(pose.timestamp_s).max(0), [x, y, z, w, i, j, k])
+    };
+    write_rows(path, HEADER, ',', trajectory.poses.iter().map(row))
 }
 
 /// Writes poses in the form of VSLAM-LAB's results: `ts (ns),tx,ty,tz,qx,qy,qz,qw`, with the stamps of a sequence's frames exactly as
@@ -59,23 +49,6 @@ pub fn write_euroc(path: &Path, trajectory: &Trajectory) -> Result<(), FileError
 /// # Errors
 /// [`FileError::Unwritable`].
 pub fn write_vslamlab(path: &Path, trajectory: &Trajectory, clock: &Clock) -> Result<(), FileError> {
-    let mut text = String::from("ts (ns),tx,ty,tz,qx,qy,qz,qw\n");
-    for pose in &trajectory.poses {
-        let t = pose.world_from_cam.translation;
-        let q = pose.world_from_cam.rotation.to_quaternion();
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12},{:.12}",
-            clock.nanoseconds(pose.timestamp_s),
-            t.x,
-            t.y,
-            t.z,
-            q.i,
-            q.j,
-            q.k,
-            q.w
-        );
-    }
-    write_atomic(path, text.as_bytes())
+    let row = |pose: &StampedPose| (clock.nanoseconds(pose.timestamp_s), numbers(&pose.world_from_cam));
+    write_rows(path, "ts (ns),tx,ty,tz,qx,qy,qz,qw\n", ',', trajectory.poses.iter().map(row))
 }

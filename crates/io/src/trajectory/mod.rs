@@ -5,11 +5,12 @@ mod euroc;
 mod kitti;
 mod tum;
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use geometry::SE3;
 
-use crate::file::{FileError, Line, TextFile, counted};
+use crate::file::{FileError, Line, TextFile, counted, write_atomic};
 
 pub use clock::Clock;
 pub use euroc::{write_euroc, write_vslamlab};
@@ -270,4 +271,28 @@ fn rotation_from_quaternion(line: &Line<'_>, wxyz: [f64; 4]) -> Result<geometry:
         return Err(line.error(format!("a quaternion of length {norm:.6}"), "a unit quaternion"));
     }
     Ok(geometry::SO3::from_quaternion(&nalgebra::UnitQuaternion::from_quaternion(quaternion)))
+}
+/// Position and quaternion x, y, z, w.
+fn numbers(pose: &SE3) -> [f64; 7] {
+    let (t, q) = (pose.translation, pose.rotation.to_quaternion());
+    [t.x, t.y, t.z, q.i, q.j, q.k, q.w]
+}
+
+/// Writes a header and a row of a stamp and seven numbers per pose, exact to 1e-9 when read back.
+fn write_rows<S: std::fmt::Display>(
+    path: &Path,
+    header: &str,
+    separator: char,
+    rows: impl Iterator<Item = (S, [f64; 7])>,
+) -> Result<(), FileError> {
+    let mut text = header.to_owned();
+    for (stamp, numbers) in rows {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{stamp}");
+        for number in numbers {
+            let _ = write!(text, "{separator}{number:.12}");
+        }
+        text.push('\n');
+    }
+    write_atomic(path, text.as_bytes())
 }

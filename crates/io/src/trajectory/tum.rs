@@ -1,12 +1,11 @@
 //! TUM trajectories: `timestamp tx ty tz qx qy qz qw` a line, seconds and meters, `#` for comments.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use geometry::{SE3, Vec3};
 
-use super::{Clock, StampedPose, Trajectory, rotation_from_quaternion};
-use crate::file::{FileError, Line, write_atomic};
+use super::{Clock, StampedPose, Trajectory, numbers, rotation_from_quaternion, write_rows};
+use crate::file::{FileError, Line};
 
 pub(super) const EXPECTED: &str = "8 numbers (timestamp tx ty tz qx qy qz qw)";
 
@@ -41,24 +40,6 @@ pub fn write_tum(path: &Path, trajectory: &Trajectory) -> Result<(), FileError> 
 /// # Errors
 /// [`FileError::Unwritable`].
 pub fn write_tum_at(path: &Path, trajectory: &Trajectory, clock: &Clock) -> Result<(), FileError> {
-    let mut text = String::with_capacity(trajectory.poses.len() * 160);
-    text.push_str("# timestamp tx ty tz qx qy qz qw\n");
-    for pose in &trajectory.poses {
-        let t = pose.world_from_cam.translation;
-        let q = pose.world_from_cam.rotation.to_quaternion();
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{} {:.12} {:.12} {:.12} {:.12} {:.12} {:.12} {:.12}",
-            clock.stamp(pose.timestamp_s),
-            t.x,
-            t.y,
-            t.z,
-            q.i,
-            q.j,
-            q.k,
-            q.w
-        );
-    }
-    write_atomic(path, text.as_bytes())
+    let row = |pose: &StampedPose| (clock.stamp(pose.timestamp_s), numbers(&pose.world_from_cam));
+    write_rows(path, "# timestamp tx ty tz qx qy qz qw\n", ' ', trajectory.poses.iter().map(row))
 }

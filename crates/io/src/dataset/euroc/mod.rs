@@ -47,14 +47,10 @@ pub(super) fn open(
     let ground_truth = truth::read(options, &usual, TrajectoryFormat::Euroc, &frames, &mut warnings)?;
     Ok(Sequence {
         frames,
-        calibration: cameras.calibration,
-        raw_calibration: cameras.raw,
-        rectification: cameras.views,
         ground_truth,
-        body_from_left: cameras.body_from_left,
         times: if left.is_of_names { Times::Names } else { Times::Given },
         warnings,
-        ..Sequence::new(sequence_name(dir), SequenceKind::Euroc, sensor)
+        ..Sequence::new(sequence_name(dir), SequenceKind::Euroc, sensor).seen_by(cameras)
     })
 }
 

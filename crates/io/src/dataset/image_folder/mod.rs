@@ -87,9 +87,6 @@ pub(super) fn open(
     };
     Ok(Sequence {
         frames,
-        calibration: cameras.calibration,
-        raw_calibration: cameras.raw,
-        rectification: cameras.views,
         ground_truth,
         body_from_left: if tree.kind == SequenceKind::TartanAir {
             ned_from_cam()
@@ -102,7 +99,7 @@ pub(super) fn open(
             .or(known.and_then(|known| known.depth_units_per_metre)),
         times,
         warnings,
-        ..Sequence::new(folder_name(dir), tree.kind, sensor)
+        ..Sequence::new(folder_name(dir), tree.kind, sensor).seen_by(cameras)
     })
 }
 
