@@ -52,8 +52,10 @@ struct Search {
 
 /// One camera tells its focal length, principal point and distortion once it has turned enough.
 const OF_ONE: Search = Search { prior: [0.02, 5.0, 5.0, 0.003, HELD, HELD], evidence: 100.0 };
-/// A pair knows its scale by its focal length, which is therefore kept; it tells how disparities are off.
-const OF_PAIR: Search = Search { prior: [HELD, HELD, HELD, HELD, 0.06, HELD], evidence: 9.0 };
+/// A pair knows its scale by its focal length, which is therefore kept; it tells how disparities are off. What is smaller than its own
+/// uncertainty is not believed.
+const OF_PAIR: Search =
+    Search { prior: [HELD, HELD, HELD, HELD, 0.06, HELD], evidence: DEPENDENCE * DEPENDENCE };
 
 /// Keyframes at the first attempt, and the factor to each further one.
 const FIRST_KEYFRAMES: usize = 20;
