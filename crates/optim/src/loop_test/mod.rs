@@ -5,9 +5,12 @@
 //! depend on where the search began: there the cycle must close in translation, and no edge may be torn.
 
 mod cycle;
+mod drift;
 mod measure;
 
 use geometry::SE3;
+
+pub use drift::DriftModel;
 
 use crate::convex::ConvexError;
 use crate::robust::CHI2_STEREO;

@@ -63,3 +63,24 @@ fn information(values: &[f64]) -> Mat6 {
     }
     matrix
 }
+
+/// Motions `b_from_a` between consecutive nodes of a graph in the plane (x ahead, y left), and the ends of all other edges.
+///
+/// The format holds per edge (i, j) the motion i_from_j as x, y and angle: its inverse here.
+pub fn parse_plane(text: &str) -> (Vec<SE3>, Vec<(u32, u32)>) {
+    let (mut motions, mut others) = (Vec::new(), Vec::new());
+    for line in text.lines().filter(|line| line.starts_with("EDGE_SE2")) {
+        let numbers: Vec<f64> =
+            line.split_whitespace().skip(1).map(|w| w.parse().expect("a number")).collect();
+        let (i, j) = (numbers[0] as u32, numbers[1] as u32);
+        if j == i + 1 {
+            assert_eq!(motions.len(), i as usize, "the path is in order");
+            let i_from_j =
+                SE3::new(SO3::exp(&Vec3::new(0.0, 0.0, numbers[4])), Vec3::new(numbers[2], numbers[3], 0.0));
+            motions.push(i_from_j.inverse());
+        } else {
+            others.push((i, j));
+        }
+    }
+    (motions, others)
+}

@@ -2,7 +2,7 @@
 
 use geometry::SE3;
 use map::{KeyframeId, Map};
-use optim::loop_test::{CycleEdge, CycleEdgeKind, LoopTestOptions, LoopVerdict, test_loop};
+use optim::loop_test::{CycleEdge, CycleEdgeKind, DriftModel, LoopTestOptions, LoopVerdict, test_loop};
 
 use super::essential_graph::EssentialGraph;
 use super::outcome::NoLoop;
@@ -33,14 +33,14 @@ pub(super) fn test(
     let (Some(here), Some(there)) = (graph.index(here), graph.index(there)) else {
         return Err(NoLoop::NoPlaces);
     };
-    // Drift is systematic: over a cycle of n edges it grows with n, not with its square root.
+    let drift = drift_model(&params.camera);
     let growth = (path_length(graph, map, here, there) as f64).sqrt();
     let mut edges = Vec::with_capacity(graph.nodes.len());
     for (child, &id) in graph.nodes.iter().enumerate() {
         let parent = map.keyframe(id).and_then(map::Keyframe::parent).and_then(|id| graph.index(id));
         let Some(parent) = parent else { continue };
         let motion = graph.cam_from_world[child] * graph.cam_from_world[parent].inverse();
-        edges.push(odometry(parent, child, motion, growth, &params.camera));
+        edges.push(drift.edge(parent as u32, child as u32, motion, growth));
     }
     edges.extend(graph.edges.iter().filter(|e| e.is_loop).map(|e| CycleEdge {
         kind: CycleEdgeKind::EarlierLoop,
@@ -60,15 +60,16 @@ fn path_length(graph: &EssentialGraph, map: &Map, here: usize, there: usize) -> 
     a.len() + b.len() - 2 * shared
 }
 
-fn odometry(a: usize, b: usize, b_from_a: SE3, growth: f64, params: &CameraParams) -> CycleEdge {
-    let (length, angle) = (b_from_a.translation.norm(), b_from_a.rotation.angle());
-    CycleEdge {
-        a: a as u32,
-        b: b as u32,
-        b_from_a,
-        sigma_m: params.unit * SIGMA_M + growth * params.drift_sigma * length,
-        sigma_rad: SIGMA_RAD + growth * (SIGMA_RAD_PER_M * length / params.unit + SIGMA_RAD_PER_RAD * angle),
-        kind: CycleEdgeKind::Odometry,
+/// How the path of a camera drifts; the map gives a meter the length `unit`.
+pub(super) fn drift_model(camera: &CameraParams) -> DriftModel {
+    DriftModel {
+        sigma_m: camera.unit * SIGMA_M,
+        m_per_m: camera.drift_sigma,
+        sigma_rad: SIGMA_RAD,
+        rad_per_m: SIGMA_RAD_PER_M / camera.unit,
+        rad_per_rad: SIGMA_RAD_PER_RAD,
+        max_m_per_m: camera.max_drift,
+        margin_m: camera.prior_margin_m,
     }
 }
 

@@ -3,7 +3,9 @@
 use geometry::Vec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use map::{KeyframeId, Map};
+use optim::DriftModel;
 
+use super::cycle_test::drift_model;
 use crate::params::CameraParams;
 
 /// Positions of the keyframes of one sub-map, and how far each can have drifted against the current one.
@@ -11,8 +13,7 @@ pub(super) struct PositionPrior {
     /// Sorted by id: keyframes of the current one's sub-map with center and the length of the path up to them.
     along: Vec<(KeyframeId, Vec3, f64)>,
     current: Option<(Vec3, f64)>,
-    max_drift: f64,
-    margin_m: f64,
+    drift: DriftModel,
 }
 
 impl PositionPrior {
@@ -23,8 +24,7 @@ impl PositionPrior {
             let path_m = along.last().map_or(0.0, |(_, last, path)| path + (center - last).norm());
             along.push((keyframe.id, center, path_m));
         }
-        let CameraParams { max_drift, prior_margin_m: margin_m, .. } = *params;
-        PositionPrior { current: find(&along, current), along, max_drift, margin_m }
+        PositionPrior { current: find(&along, current), along, drift: drift_model(params) }
     }
 
     /// Whether a keyframe is where the current one may be. A keyframe of another sub-map may be anywhere.
@@ -32,7 +32,7 @@ impl PositionPrior {
         let (Some((here, now)), Some((there, then))) = (self.current, find(&self.along, other)) else {
             return true;
         };
-        (here - there).norm() <= self.margin_m + self.max_drift * (now - then).abs()
+        self.drift.can_meet((here - there).norm(), (now - then).abs())
     }
 
     /// The nearest keyframes that are `wanted`, within the margin, nearest first; of equals the older one.
@@ -40,7 +40,8 @@ impl PositionPrior {
         let Some((here, _)) = self.current else { return Vec::new() };
         let centers: Vec<[f64; 3]> = self.along.iter().map(|k| k.1.into()).collect();
         let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(&centers) else { return Vec::new() };
-        let near = tree.query(&here.into()).within::<SquaredEuclidean<f64>>(self.margin_m.powi(2)).execute();
+        let near =
+            tree.query(&here.into()).within::<SquaredEuclidean<f64>>(self.drift.margin_m.powi(2)).execute();
         let near = near.into_iter().map(|near| (near.distance, self.along[near.item as usize].0));
         let mut found: Vec<(f64, KeyframeId)> = near.filter(|near| wanted(near.1)).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

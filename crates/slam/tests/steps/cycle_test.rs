@@ -10,13 +10,13 @@ use crate::scene::{chain, line, on_circle, params};
 fn uncertainty_grows_with_length_angle_and_the_number_of_edges() {
     let motion = SE3::new(SO3::exp(&Vec3::new(0.0, 0.2, 0.0)), Vec3::new(0.0, 0.0, 3.0));
     let camera = CameraParams { drift_sigma: 0.02, unit: 1.0, ..params().camera };
-    let edge = odometry(4, 5, motion, 2.0, &camera);
+    let edge = drift_model(&camera).edge(4, 5, motion, 2.0);
     assert_eq!((edge.a, edge.b, edge.kind), (4, 5, CycleEdgeKind::Odometry));
     // 1 cm and 2 % of 3 m, twice; 1 mrad, 0.05 mrad per meter and 5 mrad per radian, twice.
     assert!((edge.sigma_m - (0.01 + 2.0 * 0.06)).abs() < 1e-12);
     assert!((edge.sigma_rad - (1e-3 + 2.0 * (1.5e-4 + 1e-3))).abs() < 1e-12);
     // Where a meter has the length 0.1, the same motion is ten times as long in meters.
-    let edge = odometry(4, 5, motion, 2.0, &CameraParams { unit: 0.1, ..camera });
+    let edge = drift_model(&CameraParams { unit: 0.1, ..camera }).edge(4, 5, motion, 2.0);
     assert!((edge.sigma_m - (0.001 + 2.0 * 0.06)).abs() < 1e-12);
     assert!((edge.sigma_rad - (1e-3 + 2.0 * (1.5e-3 + 1e-3))).abs() < 1e-12);
     let edge = candidate(1, 2, motion, 0.1);
