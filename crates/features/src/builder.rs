@@ -1,13 +1,14 @@
 //! From images to a [`Frame`]: extraction, undistortion, depth of the features.
 
 use crate::activation::{ActivationError, ActivationMap, ActivationSource};
-use crate::config::ExtractorConfig;
+use crate::config::{Align, ExtractorConfig};
 use crate::depth::DepthConfig;
 use crate::extractor::{Extractor, Selected};
 use crate::follow::Evaluated;
 use crate::frame::{Frame, Rig};
 use crate::keypoint::{Features, Keypoint};
 use crate::mask::FeatureMask;
+use crate::patch::Patch;
 use crate::pyramid::Pyramid;
 use crate::selection::SelectionConfig;
 use crate::stereo::{StereoConfig, StereoMatcher, StereoPair};
@@ -120,17 +121,20 @@ impl FrameBuilder {
             let pair = StereoPair { left: extractor.pyramid(), right: right_pyramid };
             matcher.disparities(rig, pair, &extracted.features.keypoints)
         } else {
-            vec![f32::NAN; extracted.features.keypoints.len()]
+            vec![[f32::NAN, 0.0]; extracted.features.keypoints.len()]
         };
+        let patches = patches(extractor, &extracted.features);
         let extracted = extracted.undistorted(rig);
         let right_u = extracted
             .features
             .keypoints
             .iter()
-            .zip(disparities)
-            .map(|(k, d)| k.x - corrected(d, *disparity_offset_px))
+            .zip(&disparities)
+            .map(|(k, [d, _])| k.x - corrected(*d, *disparity_offset_px))
             .collect();
-        Ok(self.frame(index, timestamp_s, extracted, right_u))
+        let (mut frame, map) = self.frame(index, timestamp_s, extracted, right_u, patches);
+        frame.slopes = Arc::new(disparities.iter().map(|[_, slope]| *slope).collect());
+        Ok((frame, map))
     }
 
     /// A frame of a gray image and a depth image registered to it.
@@ -147,12 +151,13 @@ impl FrameBuilder {
         let extracted = extract(&mut self.extractor, self.selection.as_mut(), index, gray)?;
         let depths: Vec<_> =
             extracted.features.keypoints.iter().map(|k| self.depth.depth_at(depth, k)).collect();
+        let patches = patches(&self.extractor, &extracted.features);
         let extracted = extracted.undistorted(&self.rig);
         let bf = self.rig.stereo.bf();
         let virtual_column =
             |(k, d): (&Keypoint, Option<f64>)| d.map_or(f32::NAN, |d| (f64::from(k.x) - bf / d) as f32);
         let right_u = extracted.features.keypoints.iter().zip(depths).map(virtual_column).collect();
-        Ok(self.frame(index, timestamp_s, extracted, right_u))
+        Ok(self.frame(index, timestamp_s, extracted, right_u, patches))
     }
 
     /// A frame of a single image: no depths.
@@ -166,18 +171,42 @@ impl FrameBuilder {
         gray: &GrayImage,
     ) -> Result<BuiltFrame, ActivationError> {
         let extracted = extract(&mut self.extractor, self.selection.as_mut(), index, gray)?;
+        let patches = patches(&self.extractor, &extracted.features);
         let extracted = extracted.undistorted(&self.rig);
         let right_u = vec![f32::NAN; extracted.features.keypoints.len()];
-        Ok(self.frame(index, timestamp_s, extracted, right_u))
+        Ok(self.frame(index, timestamp_s, extracted, right_u, patches))
     }
 
-    fn frame(&self, index: u32, timestamp_s: f64, extracted: Extracted, right_u: Vec<f32>) -> BuiltFrame {
+    fn frame(
+        &self,
+        index: u32,
+        timestamp_s: f64,
+        extracted: Extracted,
+        right_u: Vec<f32>,
+        patches: Vec<Option<Patch>>,
+    ) -> BuiltFrame {
         let Extracted { features, activation, lasting, map } = extracted;
         let (rig, scales) = (Arc::clone(&self.rig), Arc::clone(self.extractor.scales()));
         let mut frame = Frame::new(index, timestamp_s, rig, scales, features, right_u);
         (frame.activation, frame.lasting) = (activation, lasting);
+        frame.patches = Arc::new(patches);
         (frame, map)
     }
+}
+
+/// The surroundings of the features of the image that was extracted last, before they are undistorted; none where they are not
+/// wanted.
+fn patches(extractor: &Extractor, features: &Features) -> Vec<Option<Patch>> {
+    if extractor.config().align != Align::Always {
+        return Vec::new();
+    }
+    let pyramid = extractor.pyramid();
+    let cut = |k: &Keypoint| {
+        let octave = usize::from(k.octave);
+        let (x, y) = pyramid.placement(octave).to_level(k.x, k.y);
+        Patch::cut(&pyramid.levels()[octave], x, y)
+    };
+    features.keypoints.iter().map(cut).collect()
 }
 
 /// The features of an image, how far each is trusted now and another day, and the map that says so.

@@ -36,6 +36,8 @@ pub struct ExtractorConfig {
     pub fast_minimum: u8,
     /// Whether positions are refined below a pixel of their level.
     pub subpixel: bool,
+    /// Whether the tracker places features where the map's points look the same as before.
+    pub align: Align,
 }
 
 impl Default for ExtractorConfig {
@@ -54,8 +56,30 @@ impl Default for ExtractorConfig {
             fast_initial: 20,
             fast_minimum: 7,
             subpixel: true,
+            align: Align::Mono,
         }
     }
+}
+
+/// With which cameras the tracker places features where the map's points look the same as before.
+///
+/// One camera knows a point's depth from such places alone and gains by it. With a measured depth the motion from frame to frame gets
+/// smoother, but on real pairs the trajectory gets no better.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Align {
+    /// With none.
+    Never,
+    /// With a single camera.
+    #[default]
+    Mono,
+    /// With all.
+    Always,
+}
+
+impl Align {
+    /// Their words in the configuration.
+    pub const WORDS: &[&str] = &["never", "mono", "always"];
 }
 
 /// How large a network sees an image whose size it leaves open; the proportions are the image's own.
@@ -99,18 +123,20 @@ impl Section for ExtractorConfig {
         integer("features.fast_initial", "gray levels", [1, 255], "FAST threshold tried first in a cell").expert(),
         integer("features.fast_minimum", "gray levels", [1, 255], "FAST threshold of a cell where the first finds nothing").expert(),
         flag("features.subpixel", "refine the position of keypoints below one pixel").expert(),
+        choice("features.align", Align::WORDS, "with which cameras keypoints are placed where the map's points look the same as before").expert(),
     ];
 }
 
 impl ExtractorConfig {
-    /// The settings with this sensor: `keep` is the number kept with it.
+    /// The settings with this sensor: `keep` is the number kept with it, `align` no longer depends on it.
     #[must_use]
     pub fn with_sensor(&self, sensor: Sensor) -> Self {
         let keep = match sensor {
             Sensor::Mono => self.keep_mono.unwrap_or(self.keep),
             Sensor::Stereo | Sensor::Rgbd => self.keep,
         };
-        Self { keep, ..self.clone() }
+        let aligns = self.align == Align::Always || (self.align == Align::Mono && sensor == Sensor::Mono);
+        Self { keep, align: if aligns { Align::Always } else { Align::Never }, ..self.clone() }
     }
 
     /// How a network chooses; `None` where none takes part.

@@ -3,6 +3,7 @@
 use crate::descriptor::Descriptor;
 use crate::grid::Grid;
 use crate::keypoint::{Features, Keypoint};
+use crate::patch::Patch;
 use crate::scales::ScaleLevels;
 use geometry::{Distortion, StereoRig, Vec2, Vec3};
 use std::sync::Arc;
@@ -118,6 +119,10 @@ pub struct Frame {
     pub activation: Vec<f32>,
     /// Trust that it will be there another day, 1 when nothing is known.
     pub lasting: Vec<f32>,
+    /// What the features' surroundings look like, shared by all copies; empty where nobody asked for them.
+    pub(crate) patches: Arc<Vec<Option<Patch>>>,
+    /// Change of the disparity per row around the features, pixels, shared by all copies; empty where it is not known.
+    pub(crate) slopes: Arc<Vec<f32>>,
     bounds: Bounds,
     grid: Grid,
     /// Shared by all copies, by whichever calibration.
@@ -157,6 +162,8 @@ impl Frame {
             depth,
             activation: all.clone(),
             lasting: all,
+            patches: Arc::default(),
+            slopes: Arc::default(),
             bounds,
             grid,
             moment: Arc::default(),
@@ -183,9 +190,43 @@ impl Frame {
         let features = Features { keypoints, descriptors: self.descriptors.clone() };
         let (rig, scales) = (Arc::clone(rig), Arc::clone(&self.scales));
         let mut frame = Self::new(self.index, self.timestamp_s, rig, scales, features, right_u);
-        frame.activation.clone_from(&self.activation);
-        frame.moment = Arc::clone(&self.moment);
+        frame.take_from(self);
         frame
+    }
+
+    /// The same features, some of them moved: `(feature, dx, dy)` in pixels of level 0. The disparities
+    /// change as far as they change from row to row.
+    #[must_use]
+    pub fn moved(&self, shifts: &[(u32, f32, f32)]) -> Self {
+        let mut keypoints = self.keypoints.clone();
+        let mut right_u = self.right_u.clone();
+        for &(feature, dx, dy) in shifts {
+            let keypoint = &mut keypoints[feature as usize];
+            keypoint.x += dx;
+            keypoint.y += dy;
+            let slope = self.slopes.get(feature as usize).copied().unwrap_or(0.0);
+            right_u[feature as usize] += dx - slope * dy;
+        }
+        let features = Features { keypoints, descriptors: self.descriptors.clone() };
+        let (rig, scales) = (Arc::clone(&self.rig), Arc::clone(&self.scales));
+        let mut frame = Self::new(self.index, self.timestamp_s, rig, scales, features, right_u);
+        frame.take_from(self);
+        frame
+    }
+
+    /// Takes over what does not depend on where the features are.
+    fn take_from(&mut self, other: &Self) {
+        self.activation.clone_from(&other.activation);
+        self.lasting.clone_from(&other.lasting);
+        self.patches = Arc::clone(&other.patches);
+        self.slopes = Arc::clone(&other.slopes);
+        self.moment = Arc::clone(&other.moment);
+    }
+
+    /// What the surroundings of feature `i` look like, if that was kept.
+    #[must_use]
+    pub fn patch(&self, i: usize) -> Option<&Patch> {
+        self.patches.get(i)?.as_ref()
     }
 
     /// Whether both are the same features, be it by different calibrations.

@@ -96,9 +96,14 @@ impl StereoMatcher {
         Self { config, simd: Simd::detect() }
     }
 
-    /// Disparity of each keypoint in pixels of level 0, above zero; NaN where none is accepted. Runs on the current rayon
-    /// pool; the result does not depend on the number of threads.
-    pub(crate) fn disparities(&self, rig: &Rig, pair: StereoPair<'_>, keypoints: &[Keypoint]) -> Vec<f32> {
+    /// Disparity of each keypoint in pixels of level 0, above zero and NaN where none is accepted, with its change per row. Runs on
+    /// the current rayon pool; the result does not depend on the number of threads.
+    pub(crate) fn disparities(
+        &self,
+        rig: &Rig,
+        pair: StereoPair<'_>,
+        keypoints: &[Keypoint],
+    ) -> Vec<[f32; 2]> {
         let min_depth = self.config.min_depth_m.unwrap_or(NEAREST_BASELINES * rig.stereo.baseline_m);
         let max_disparity = (rig.stereo.bf() / min_depth) as f32;
         let find = |scratch: &mut Scratch, keypoint: &Keypoint| {
@@ -109,12 +114,15 @@ impl StereoMatcher {
         let found: Vec<Option<Alignment>> =
             keypoints.par_iter().with_min_len(32).map_init(Scratch::default, find).collect();
         let mut residuals: Vec<f64> = found.iter().flatten().map(|f| f.residual).collect();
-        let Some(median) = median(&mut residuals) else { return vec![f32::NAN; keypoints.len()] };
+        let Some(median) = median(&mut residuals) else { return vec![[f32::NAN, 0.0]; keypoints.len()] };
         // Residuals of perfect images are all zero.
         let limit = (f64::from(self.config.max_residual_ratio) * median).max(1.0);
         found
             .iter()
-            .map(|f| f.filter(|f| f.residual < limit).map_or(f32::NAN, |f| f.disparity as f32))
+            .map(|f| {
+                f.filter(|f| f.residual < limit)
+                    .map_or([f32::NAN, 0.0], |f| [f.disparity as f32, f.slope as f32])
+            })
             .collect()
     }
 

@@ -1,12 +1,14 @@
 //! The local map: keyframes that share points with the frame, their points searched by projection, the final pose.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use features::{Frame, WindowMatch};
 use geometry::SE3;
 use map::{KeyframeId, Map, PointCount, PointId};
 
 use super::TrackStats;
+use super::align::alignments;
 use super::predict::{Attempt, Prediction};
 use crate::params::{Params, TrackingParams};
 use crate::pose::{RefinedPose, refine};
@@ -46,6 +48,9 @@ pub(crate) struct LocallyTracked {
     pub(crate) matched: Vec<(u32, PointId)>,
     pub(crate) counts: Vec<PointCount>,
     pub(crate) stats: TrackStats,
+    /// The frame with its features where their points look the same, and by how much they were moved.
+    pub(crate) aligned: Option<Arc<Frame>>,
+    pub(crate) shifts: Vec<(u32, f32, f32)>,
 }
 
 impl LocalMap {
@@ -91,7 +96,12 @@ impl LocalMap {
             let (_, wide) = self.search_and_refine(frame, map, &start, factor, params);
             (start.cam_from_world, start.matches) = (wide.cam_from_world, wide.inliers);
         }
-        let (found, refined) = self.search_and_refine(frame, map, &start, factor, params);
+        let (found, mut refined) = self.search_and_refine(frame, map, &start, factor, params);
+        let shifts = alignments(frame, map, &refined.cam_from_world, &refined.inliers);
+        let aligned = (!shifts.is_empty()).then(|| Arc::new(frame.moved(&shifts)));
+        if let Some(aligned) = &aligned {
+            refined = refine(aligned, map, refined.cam_from_world, &found.matches, params.noise());
+        }
         let counts = count(&found.visible, &start.matches, &refined.inliers);
         let stats = TrackStats {
             predicted: predicted.matches.len(),
@@ -112,6 +122,8 @@ impl LocalMap {
             matches: refined.inliers,
             counts,
             stats,
+            aligned,
+            shifts,
         }
     }
 

@@ -1,5 +1,6 @@
 //! Tracking: a frame and an immutable map give a pose, or a reason why there is none.
 
+mod align;
 mod evidence;
 mod initializer;
 mod keyframe_policy;
@@ -106,6 +107,8 @@ pub struct Tracked {
     pub matched: Vec<(u32, PointId)>,
     /// Those of them that agree with the pose.
     pub inliers: Vec<(u32, PointId)>,
+    /// How far features were moved to where their points look the same, `(feature, dx, dy)` in pixels.
+    pub shifts: Vec<(u32, f32, f32)>,
 }
 
 /// The tracker's memory between two frames: the last frame and how the camera moved.
@@ -148,9 +151,16 @@ impl Tracker {
         mapper_idle: bool,
         probe: &mut dyn Probe,
     ) -> Tracked {
-        let mut tracked = self.track_calibrated(&world.calibrated(frame), world, mapper_idle, probe);
-        // As it was extracted: the map may have another calibration by the time it is inserted.
-        tracked.keyframe.iter_mut().for_each(|request| request.frame = frame.clone());
+        let calibrated = world.calibrated(frame);
+        let mut tracked = self.track_calibrated(&calibrated, world, mapper_idle, probe);
+        if let Some(request) = &mut tracked.keyframe {
+            // As it was extracted: the map may have another calibration by the time it is inserted.
+            request.frame = if tracked.shifts.is_empty() {
+                frame.clone()
+            } else {
+                Arc::new(frame.moved(&tracked.shifts))
+            };
+        }
         tracked
     }
 
@@ -214,7 +224,8 @@ impl Tracker {
                     pair: None,
                 }
             });
-        self.last = Some(LastFrame::new(frame.clone(), pose, &local.matches));
+        let aligned = local.aligned.unwrap_or_else(|| frame.clone());
+        self.last = Some(LastFrame::new(aligned, pose, &local.matches));
         Tracked {
             state: TrackState::Tracked,
             pose: Some(pose),
@@ -223,6 +234,7 @@ impl Tracker {
             stats: local.stats,
             matched: local.matched,
             inliers: local.matches,
+            shifts: local.shifts,
         }
     }
 
@@ -334,6 +346,7 @@ fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
         stats: TrackStats::default(),
         matched: Vec::new(),
         inliers: Vec::new(),
+        shifts: Vec::new(),
     }
 }
 

@@ -27,6 +27,8 @@ fn evidence(place: Vec3, shown: Option<Shot>, activation: f32, yardstick: Yardst
         matched: shown.map(|_| (0, id)).into_iter().collect(),
         counts: vec![PointCount { point: id, seen: 1, found: 0, evidence: 0 }],
         stats: TrackStats::default(),
+        aligned: None,
+        shifts: Vec::new(),
     };
     add_evidence(&mut local, &frame, &map, yardstick, 1.0);
     local.counts[0].evidence

@@ -107,6 +107,8 @@ fn decided(
         matches,
         counts: Vec::new(),
         stats: super::super::TrackStats::default(),
+        aligned: None,
+        shifts: Vec::new(),
     };
     let mut tracker = Tracker::new(params.clone());
     tracker.last_keyframe_index = frame.index;
