@@ -9,6 +9,7 @@ mod local_map;
 mod motion_model;
 mod predict;
 mod relocalize;
+mod residuals;
 mod track_reference_keyframe;
 
 use std::sync::Arc;
@@ -224,9 +225,6 @@ impl Tracker {
                 }
             });
         let assessment = staged(probe, Stage::Assess, || {
-            if local.stats.relocalized {
-                self.assessor.forget();
-            }
             self.assessor.assess(frame, map, &local, &self.params)
         });
         let last = LastFrame::new(frame.clone(), pose, &local.matches);
@@ -319,7 +317,8 @@ impl Tracker {
             reason: KeyframeReason::First,
             pair,
         };
-        Tracked { keyframe: Some(request), ..not_tracked(TrackState::Started, None) }
+        let assessment = Assessment::of_start();
+        Tracked { keyframe: Some(request), assessment, ..not_tracked(TrackState::Started, None) }
     }
 
     /// Keeps the last good frame, so that recovery starts from it; after a lasting loss a new sub-map begins where the
