@@ -66,6 +66,7 @@ mod view;
 
 pub use ::{bag, geometry, io, map, runtime, synth};
 
+pub use ::slam::{Assessment, QualityReason};
 pub use camera::Camera;
 pub use config::{CameraError, Chosen, Config, SCHEMA, presets};
 pub use error::{Error, FrameProblem};
@@ -79,7 +80,6 @@ pub use network::{NetworkOptions, load as load_network, open as open_network};
 pub use options::SlamOptions;
 pub use programs::{find_program, shield};
 pub use runtime::{Event, FrameAnswer, FrameStatus, Observer, RunOutcome, Schedule, Silent};
-pub use ::slam::{Assessment, QualityReason};
 pub use session::{Session, SessionOptions};
 pub use slam::Slam;
 pub use verdict::Verdict;

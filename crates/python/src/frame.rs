@@ -61,13 +61,19 @@ impl Result {
 
     #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.answer.assessment.covariance.map(|covariance| poses::covariance(py, &covariance.in_camera())).transpose()
+        self.answer
+            .assessment
+            .covariance
+            .map(|covariance| poses::covariance(py, &covariance.in_camera()))
+            .transpose()
     }
 
     #[getter]
     fn covariance_world<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let turned = self.answer.assessment.covariance.zip(self.answer.world_from_cam);
-        turned.map(|(covariance, pose)| poses::covariance(py, &covariance.in_parent(&pose.rotation))).transpose()
+        turned
+            .map(|(covariance, pose)| poses::covariance(py, &covariance.in_parent(&pose.rotation)))
+            .transpose()
     }
 
     #[getter]

@@ -50,10 +50,11 @@ pub(crate) struct Signs {
 pub(crate) fn quality(signs: &Signs) -> (f64, Vec<QualityReason>) {
     let up_to = |n: usize, many: f64| (n as f64 / many).min(1.0);
     let below = |value: f64, good: f64| if value > good { good / value } else { 1.0 };
-    let sigma = signs.sigma.map_or(1.0, |[m, deg]| below(m, GOOD_SIGMA_PER_DEPTH).min(below(deg, GOOD_SIGMA_DEG)));
-    let relocalized = signs.since_relocalized.map_or(1.0, |n| {
-        RELOCALIZED + (1.0 - RELOCALIZED) * (f64::from(n) / RELOCALIZED_FRAMES).min(1.0)
-    });
+    let sigma =
+        signs.sigma.map_or(1.0, |[m, deg]| below(m, GOOD_SIGMA_PER_DEPTH).min(below(deg, GOOD_SIGMA_DEG)));
+    let relocalized = signs
+        .since_relocalized
+        .map_or(1.0, |n| RELOCALIZED + (1.0 - RELOCALIZED) * (f64::from(n) / RELOCALIZED_FRAMES).min(1.0));
     let mut factors = [
         (up_to(signs.inliers, MANY_INLIERS * signs.needed as f64), QualityReason::FewInliers),
         (up_to(signs.cells, SPREAD_CELLS), QualityReason::BadlySpread),
@@ -61,7 +62,10 @@ pub(crate) fn quality(signs: &Signs) -> (f64, Vec<QualityReason>) {
         (signs.near.map_or(1.0, |near| up_to(near, MANY_NEAR)), QualityReason::MostlyFar),
         (below(signs.residual, GOOD_RESIDUAL).powi(2), QualityReason::LargeResiduals),
         (relocalized, QualityReason::JustRelocalized),
-        (if signs.without_motion_model { WITHOUT_MOTION_MODEL } else { 1.0 }, QualityReason::WithoutMotionModel),
+        (
+            if signs.without_motion_model { WITHOUT_MOTION_MODEL } else { 1.0 },
+            QualityReason::WithoutMotionModel,
+        ),
     ];
     let quality = factors.iter().map(|(factor, _)| factor).product();
     // Stable: of equal factors the one that stands first.

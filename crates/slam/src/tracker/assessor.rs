@@ -185,10 +185,7 @@ fn window_covariance(
 }
 
 /// Points of the matches of two frames, with their features there: those of the first in its order, then the others of the second.
-fn in_either(
-    now: &[(u32, PointId)],
-    then: &[(u32, PointId)],
-) -> Vec<(PointId, Option<u32>, Option<u32>)> {
+fn in_either(now: &[(u32, PointId)], then: &[(u32, PointId)]) -> Vec<(PointId, Option<u32>, Option<u32>)> {
     let by_point = |matches: &[(u32, PointId)]| {
         let mut sorted: Vec<(PointId, u32)> = matches.iter().map(|&(feature, id)| (id, feature)).collect();
         sorted.sort_unstable();
@@ -206,8 +203,7 @@ fn in_either(
 /// The keyframes that see most of the points, ties by id.
 fn most_voted(shared: &[Shared<'_>], but: Option<KeyframeId>) -> Vec<KeyframeId> {
     let observations = shared.iter().flat_map(|shared| shared.point.observations());
-    let mut seen: Vec<KeyframeId> =
-        observations.map(|o| o.keyframe).filter(|&id| Some(id) != but).collect();
+    let mut seen: Vec<KeyframeId> = observations.map(|o| o.keyframe).filter(|&id| Some(id) != but).collect();
     seen.sort_unstable();
     let mut votes: Vec<(usize, KeyframeId)> =
         seen.chunk_by(|a, b| a == b).map(|same| (same.len(), same[0])).collect();

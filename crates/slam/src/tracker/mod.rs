@@ -224,9 +224,8 @@ impl Tracker {
                     pair: None,
                 }
             });
-        let assessment = staged(probe, Stage::Assess, || {
-            self.assessor.assess(frame, map, &local, &self.params)
-        });
+        let assessment =
+            staged(probe, Stage::Assess, || self.assessor.assess(frame, map, &local, &self.params));
         let last = LastFrame::new(frame.clone(), pose, &local.matches);
         self.assessor.remember(last.clone());
         self.last = Some(last);

@@ -158,7 +158,8 @@ fn solutions_of_noisy_drives_scatter_as_predicted() {
     assert_right(&scatter(&errors, &covariance));
     // A map taken for exact, so that only the frame's own noise counts, would promise far too much.
     let mut exact = Drive::new(4, 40, true);
-    let sure = |sight: &mut Sight| (sight.pixel, sight.disparity) = (1e6 * sight.pixel, 1e6 * sight.disparity);
+    let sure =
+        |sight: &mut Sight| (sight.pixel, sight.disparity) = (1e6 * sight.pixel, 1e6 * sight.disparity);
     exact.points.iter_mut().flat_map(|(_, sights)| sights).filter(|s| s.view < 3).for_each(sure);
     let promised = scatter(&errors, &exact.covariance());
     assert!(promised.iter().sum::<f64>() > 2.0 * 6.0, "{promised:?}");
