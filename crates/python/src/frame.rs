@@ -1,6 +1,6 @@
 //! What tracking says of a frame.
 
-use dsslam::FrameAnswer;
+use dsslam::{Assessment, FrameAnswer};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -57,6 +57,38 @@ impl Result {
     fn quaternion<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         let quaternion = self.answer.world_from_cam?.rotation.to_quaternion();
         Some(PyArray1::from_slice(py, &[quaternion.i, quaternion.j, quaternion.k, quaternion.w]))
+    }
+
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.answer
+            .assessment
+            .covariance
+            .map(|covariance| poses::covariance(py, &covariance.in_camera()))
+            .transpose()
+    }
+
+    #[getter]
+    fn covariance_world<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let turned = self.answer.assessment.covariance.zip(self.answer.world_from_cam);
+        turned
+            .map(|(covariance, pose)| poses::covariance(py, &covariance.in_parent(&pose.rotation)))
+            .transpose()
+    }
+
+    #[getter]
+    fn quality(&self) -> f64 {
+        self.answer.assessment.quality
+    }
+
+    #[getter]
+    fn quality_reasons(&self) -> Vec<&'static str> {
+        reasons(&self.answer.assessment)
+    }
+
+    #[getter]
+    fn residual_px(&self) -> Option<f64> {
+        self.answer.assessment.residual_px
     }
 
     #[getter]
@@ -120,4 +152,9 @@ impl Result {
             None => format!("Result({}: {}, {} inliers)", self.answer.index, self.state(), self.inliers()),
         }
     }
+}
+
+/// What lowers the quality, in the words of `frames.csv`.
+pub(crate) fn reasons(assessment: &Assessment) -> Vec<&'static str> {
+    assessment.reasons.iter().map(|reason| reason.key()).collect()
 }

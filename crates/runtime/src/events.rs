@@ -5,14 +5,14 @@ use std::sync::Arc;
 use features::{ActivationMap, Frame};
 use geometry::{GrayImage, SE3};
 use map::{KeyframeId, PointId, RelativePose};
-use slam::{KeyframeReason, MappingReport, RefinedCalibration, TrackStats, Tracked, World};
+use slam::{Assessment, KeyframeReason, MappingReport, RefinedCalibration, TrackStats, Tracked, World};
 
 use crate::feed::FrameInfo;
 use crate::record::{FrameStatus, LoopRecord};
 use crate::snapshot::View;
 
 /// What tracking knows of a frame as soon as it is done with it. Later corrections of the map move its pose.
-/// Fields may be added, such as a covariance of the pose.
+/// Fields may be added.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FrameAnswer {
@@ -26,6 +26,8 @@ pub struct FrameAnswer {
     pub world_from_cam: Option<SE3>,
     /// The sub-map of that pose, named by the root of its keyframes; `None` without a pose, and for the frame that starts it.
     pub submap: Option<KeyframeId>,
+    /// How far the pose is to be trusted, with its covariance.
+    pub assessment: Assessment,
     /// Why mapping was asked to make it a keyframe, if it was.
     pub keyframe: Option<KeyframeReason>,
     /// Counts of tracking.
@@ -174,6 +176,8 @@ pub struct FrameDetails {
     pub scale: f64,
     /// Pose in that map; the identity for a frame that starts it.
     pub world_from_cam: SE3,
+    /// How far the pose is to be trusted, with its covariance.
+    pub assessment: Assessment,
     /// All matches of features with map points, sorted by feature.
     pub matched: Vec<(u32, PointId)>,
     /// Probability, of all that was known before this frame, that the point of each of them stands still.
@@ -210,6 +214,7 @@ impl FrameDetails {
             pose,
             scale: pose.map_or(1.0, |pose| map.scale_of(pose.keyframe)),
             world_from_cam: cam_from_world.normalized().inverse(),
+            assessment: tracked.assessment.clone(),
             trust: tracked.matched.iter().map(trust).collect(),
             matched: std::mem::take(&mut tracked.matched),
             inliers: std::mem::take(&mut tracked.inliers),

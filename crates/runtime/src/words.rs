@@ -202,7 +202,7 @@ mod tests {
     use super::*;
     use crate::record::{FrameStatus, Unusable};
     use map::KeyframeId;
-    use slam::{Lost, NotReady, TrackStats};
+    use slam::{Assessment, Lost, NotReady, TrackStats};
 
     fn frame(index: u32, status: FrameStatus) -> Event {
         Event::Frame(Box::new(FrameAnswer {
@@ -211,6 +211,7 @@ mod tests {
             status,
             world_from_cam: None,
             submap: None,
+            assessment: Assessment::default(),
             keyframe: None,
             stats: TrackStats::default(),
             features: 0,

@@ -1,6 +1,7 @@
 //! Tracking: a frame and an immutable map give a pose, or a reason why there is none.
 
 mod align;
+mod assessor;
 mod evidence;
 mod initializer;
 mod keyframe_policy;
@@ -9,6 +10,7 @@ mod local_map;
 mod motion_model;
 mod predict;
 mod relocalize;
+mod residuals;
 mod track_reference_keyframe;
 
 use std::sync::Arc;
@@ -17,10 +19,12 @@ use features::Frame;
 use geometry::SE3;
 use map::{KeyframeId, Map, PointCount, PointId, RelativePose};
 
+use crate::assess::Assessment;
 use crate::lost::{Lost, NotReady};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::world::World;
+use assessor::Assessor;
 use evidence::{Yardstick, add_evidence};
 use initializer::Initializer;
 pub use initializer::{InitialPair, NoPair};
@@ -109,6 +113,8 @@ pub struct Tracked {
     pub inliers: Vec<(u32, PointId)>,
     /// How far features were moved to where their points look the same, `(feature, dx, dy)` in pixels.
     pub shifts: Vec<(u32, f32, f32)>,
+    /// How far the pose is to be trusted.
+    pub assessment: Assessment,
 }
 
 /// The tracker's memory between two frames: the last frame and how the camera moved.
@@ -126,6 +132,8 @@ pub struct Tracker {
     velocity: Option<MotionModel>,
     /// Index of the frame that last became a keyframe.
     last_keyframe_index: u32,
+    /// Judges poses; tracking itself never asks it.
+    assessor: Assessor,
 }
 
 impl Tracker {
@@ -139,6 +147,7 @@ impl Tracker {
             lost_frames: 0,
             velocity: None,
             last_keyframe_index: 0,
+            assessor: Assessor::default(),
         }
     }
 
@@ -176,6 +185,7 @@ impl Tracker {
             let Some(first) = LastFrame::of_newest_keyframe(map, started) else {
                 return not_tracked(TrackState::NotReady(NotReady::MapStarting), None);
             };
+            self.assessor.remember(first.clone());
             self.last = Some(first);
             self.starting = None;
         }
@@ -224,8 +234,12 @@ impl Tracker {
                     pair: None,
                 }
             });
-        let aligned = local.aligned.unwrap_or_else(|| frame.clone());
-        self.last = Some(LastFrame::new(aligned, pose, &local.matches));
+        let frame = local.aligned.clone().unwrap_or_else(|| frame.clone());
+        let assessment =
+            staged(probe, Stage::Assess, || self.assessor.assess(&frame, map, &local, &self.params));
+        let last = LastFrame::new(frame, pose, &local.matches);
+        self.assessor.remember(last.clone());
+        self.last = Some(last);
         Tracked {
             state: TrackState::Tracked,
             pose: Some(pose),
@@ -235,6 +249,7 @@ impl Tracker {
             matched: local.matched,
             inliers: local.matches,
             shifts: local.shifts,
+            assessment,
         }
     }
 
@@ -301,6 +316,7 @@ impl Tracker {
         self.last_keyframe_index = frame.index;
         self.velocity = None;
         self.last = None;
+        self.assessor.forget();
         self.lost_frames = 0;
         self.starting = Some(frame.clone());
         let request = KeyframeRequest {
@@ -312,13 +328,15 @@ impl Tracker {
             reason: KeyframeReason::First,
             pair,
         };
-        Tracked { keyframe: Some(request), ..not_tracked(TrackState::Started, None) }
+        let assessment = Assessment::of_start();
+        Tracked { keyframe: Some(request), assessment, ..not_tracked(TrackState::Started, None) }
     }
 
     /// Keeps the last good frame, so that recovery starts from it; after a lasting loss a new sub-map begins where the
     /// camera was last seen.
     fn lose(&mut self, frame: &Arc<Frame>, map: &Map, last: Option<LastFrame>, lost: Lost) -> Tracked {
         self.velocity = None;
+        self.assessor.forget();
         let tracking = &self.params.tracking;
         let could_start =
             self.params.camera.sensor.is_scale_free() || frame.n_with_depth() >= tracking.init_min_features;
@@ -347,6 +365,7 @@ fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
         matched: Vec::new(),
         inliers: Vec::new(),
         shifts: Vec::new(),
+        assessment: Assessment::default(),
     }
 }
 
