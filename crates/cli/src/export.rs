@@ -112,6 +112,8 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
     ensure!(!(args.to.is_trajectory() && has_colors), "--images and --color have no effect with --to {name}");
     let is_run = args.to == Format::Mcap && args.map.is_dir();
     ensure!(args.with_map.is_none() || is_run, "--map needs --to mcap and the results folder of a run in the place of MAP");
+    let hint = "found a folder, expected a map's file; --to mcap takes the results folder of a run, too";
+    ensure!(is_run || !args.map.is_dir(), "{}: {hint}", args.map.display());
     let wants_image = args.color == Some(ColorArg::Image);
     ensure!(args.images.is_some() || !wants_image, "--color image needs --images SEQUENCE");
     Ok(())
@@ -131,7 +133,7 @@ pub(crate) fn find_images(scene: &Scene, info: &MapFileInfo, dir: &Path) -> anyh
 }
 
 pub(crate) fn describe(args: &ExportArgs, info: &MapFileInfo, scene: &Scene) {
-    let map = args.map.display();
+    let map = args.with_map.as_ref().unwrap_or(&args.map).display();
     console::say(format!("map          {map}: {} of {}", kind(info), info.sequence));
     let submap = if scene.n_submaps > 1 {
         format!(" (sub-map {} of {})", args.submap, scene.n_submaps)

@@ -65,7 +65,7 @@ fn add_map(
     describe(args, info, &scene);
     let colors = colors(args, &scene, images.as_ref(), None)?;
     let points = scene.points.iter().zip(&colors);
-    let points = points.filter_map(|(point, &color)| Some(cloud_point(map.point(PointId(point.id))?, color)));
+    let points = points.filter_map(|(point, &color)| Some(cloud_point(map, map.point(PointId(point.id))?, color)));
     results.points = points.collect();
     if let (Some(sensor), Some(view)) = (info.sensor, scene.views.first()) {
         let rig = map.keyframe(KeyframeId(view.keyframe)).map(|keyframe| (*keyframe.frame.rig).clone());

@@ -47,8 +47,8 @@ impl Recorded {
         let path = folder.join(name);
         let poses = io::read_trajectory(&path, Some(TrajectoryFormat::Tum))?.trajectory.poses;
         let text = read(&path)?;
-        let stamps: Vec<&str> =
-            text.lines().filter_map(|line| line.split(' ').next()).filter(|stamp| !stamp.is_empty()).collect();
+        let data = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
+        let stamps: Vec<&str> = data.filter_map(|line| line.split(' ').next()).collect();
         ensure!(
             stamps.len() == poses.len(),
             "{}: found {} lines with {} poses",

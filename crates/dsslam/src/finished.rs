@@ -76,7 +76,7 @@ impl Finished {
         let is_inside = |point: &&map::MapPoint| outcome.map.submap_of(point.reference) == root;
         let point = |point: &map::MapPoint| {
             let green = (point.trust() * 255.0).round() as u8;
-            mcap::cloud_point(point, [255 - green, green, 0])
+            mcap::cloud_point(&outcome.map, point, [255 - green, green, 0])
         };
         let points = outcome.map.points().filter(is_inside).map(point).collect();
         let camera = self.info.sensor.map(|sensor| (sensor, self.rig.clone()));

@@ -78,13 +78,16 @@ pub struct CloudPoint {
     pub position: Vec3,
     /// Red, green, blue.
     pub color: [u8; 3],
-    /// Probability that it stands still and is found again, 0 to 1.
+    /// Mean activation of the features that show it, 0 to 1; 1 where no network selects.
     pub activation: f32,
+    /// Probability that it stands still, of all that was seen of it.
+    pub trust: f32,
     /// How many keyframes see it.
     pub observations: u32,
 }
 
-/// `sensor_msgs/PointCloud2` with the fields x, y, z, rgb (a float whose bits are 0x00RRGGBB), activation and observations.
+/// `sensor_msgs/PointCloud2` with the fields x, y, z, rgb (a float whose bits are 0x00RRGGBB), activation, trust and
+/// observations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cloud<'a> {
     /// The frame of the positions.
@@ -189,12 +192,13 @@ impl Message for Cloud<'_> {
     fn encode(&self, to: &mut Cdr) {
         const FLOAT32: u8 = 7;
         const UINT32: u8 = 6;
-        const FIELDS: [(&str, u8); 6] = [
+        const FIELDS: [(&str, u8); 7] = [
             ("x", FLOAT32),
             ("y", FLOAT32),
             ("z", FLOAT32),
             ("rgb", FLOAT32),
             ("activation", FLOAT32),
+            ("trust", FLOAT32),
             ("observations", UINT32),
         ];
         const STEP: u32 = 4 * FIELDS.len() as u32;
@@ -217,6 +221,7 @@ impl Message for Cloud<'_> {
             let [r, g, b] = point.color;
             data.extend([b, g, r, 0]);
             data.extend(point.activation.to_le_bytes());
+            data.extend(point.trust.to_le_bytes());
             data.extend(point.observations.to_le_bytes());
         }
         to.blob(&data);
@@ -250,7 +255,7 @@ impl Message for CameraDescription<'_> {
         to.numbers(self.distortion);
         to.numbers([fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]);
         to.numbers([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
-        to.numbers([fx, 0.0, cx, -fx * self.baseline_m, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        to.numbers([fx, 0.0, cx, 0.0 - fx * self.baseline_m, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0]);
         // Binning and region of interest: none.
         (0..6).for_each(|_| to.u32(0));
         to.bool(false);

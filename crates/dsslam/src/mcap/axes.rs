@@ -6,7 +6,8 @@ use geometry::{Mat6, SE3, SO3, Vec3};
 
 /// A vector along the axes of the camera, along those of ROS.
 pub(super) fn vector(v: &Vec3) -> Vec3 {
-    Vec3::new(v.z, -v.x, -v.y)
+    // Not -x, which would make -0 out of 0.
+    Vec3::new(v.z, 0.0 - v.x, 0.0 - v.y)
 }
 
 /// Rotation from the axes of the camera to those of ROS.
@@ -17,7 +18,7 @@ fn turn() -> SO3 {
 /// A pose between two frames with the axes of a camera as the pose between the same frames with those of ROS.
 pub(super) fn pose(parent_from_child: &SE3) -> Pose {
     let q = parent_from_child.rotation.to_quaternion();
-    Pose { position: vector(&parent_from_child.translation), quaternion: [q.k, -q.i, -q.j, q.w] }
+    Pose { position: vector(&parent_from_child.translation), quaternion: [q.k, 0.0 - q.i, 0.0 - q.j, q.w] }
 }
 
 /// The camera in the body: it lies in the body's origin.

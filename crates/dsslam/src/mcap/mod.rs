@@ -7,7 +7,7 @@
 //! | `/pose` | `geometry_msgs/msg/PoseWithCovarianceStamped` | `base_link` in `map`: jumps where the map is corrected |
 //! | `/tf` | `tf2_msgs/msg/TFMessage` | `map` -> `odom` -> `base_link` -> `camera_optical_frame` |
 //! | `/path` | `nav_msgs/msg/Path` | all poses so far in `map`, as the map has them now |
-//! | `/map_points` | `sensor_msgs/msg/PointCloud2` | the points of the map: position, color, activation, observations |
+//! | `/map_points` | `sensor_msgs/msg/PointCloud2` | the points of the map: position, color, activation, trust, observations |
 //! | `/camera_info`, `/right/camera_info` | `sensor_msgs/msg/CameraInfo` | the cameras, once |
 //!
 //! `map`, `odom` and `base_link` are turned as REP-103 has it: x forward, y left, z up, at the first frame. `base_link` lies in the

@@ -6,7 +6,7 @@ use bag::out::CloudPoint;
 use features::Rig;
 use geometry::{Mat6, SE3};
 use io::{Clock, FileError, Sensor};
-use map::{KeyframeId, MapPoint};
+use map::{KeyframeId, Map, MapPoint};
 use runtime::FrameRecord;
 
 use super::sink::{Moment, Motion, Sink};
@@ -85,12 +85,17 @@ pub(crate) fn final_frames(
     submaps(records).into_iter().map(of).collect()
 }
 
-/// A point of the map as one of the cloud, along the axes of the camera.
-pub fn cloud_point(point: &MapPoint, color: [u8; 3]) -> CloudPoint {
+/// A point of a map as one of the cloud, along the axes of the camera.
+pub fn cloud_point(map: &Map, point: &MapPoint, color: [u8; 3]) -> CloudPoint {
+    let of = |keyframe: KeyframeId, feature: u32| {
+        map.keyframe(keyframe).map_or(1.0, |keyframe| keyframe.frame.activation[feature as usize])
+    };
+    let sum: f32 = point.observations().iter().map(|seen| of(seen.keyframe, seen.feature)).sum();
     CloudPoint {
         position: point.position,
         color,
-        activation: point.trust() as f32,
+        activation: sum / point.n_observations().max(1) as f32,
+        trust: point.trust() as f32,
         observations: u32::try_from(point.n_observations()).unwrap_or(u32::MAX),
     }
 }

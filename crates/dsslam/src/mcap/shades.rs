@@ -38,9 +38,9 @@ impl Shades {
         submap: Option<KeyframeId>,
     ) -> impl Iterator<Item = CloudPoint> + 'a {
         let is_inside = move |point: &&MapPoint| map.submap_of(point.reference) == submap;
-        map.points().filter(is_inside).map(|point| {
+        map.points().filter(is_inside).map(move |point| {
             let shade = self.0.get(point.id.0 as usize).copied().flatten().unwrap_or(UNSEEN);
-            super::results::cloud_point(point, [shade; 3])
+            super::results::cloud_point(map, point, [shade; 3])
         })
     }
 }
