@@ -224,7 +224,8 @@ class Tracker:
 
     def begin(self):
         """Where the robot is now becomes the origin of odom."""
-        self.odom_from_base, self.last_ns, self.path, self.n_located = np.eye(4), None, collections.deque(maxlen=self.parameters.path_length), 0
+        self.odom_from_base, self.last_ns, self.n_located, self.submap = np.eye(4), None, 0, None
+        self.path = collections.deque(maxlen=self.parameters.path_length)
 
     def camera_info(self, side, message):
         """Takes the calibration of the left (or only) camera or of the right one."""
@@ -245,7 +246,9 @@ class Tracker:
             if not self.parameters.calibration and not needed <= self.infos.keys():
                 return False
             seen = camera(self.parameters, self.infos.get("left"), self.infos.get("right"))
-            self.slam = dsslam.Slam(self.parameters.config or None, seen, schedule=self.parameters.schedule)
+            # Depth comes in millimeters or as floats: millimeters reach 65 m.
+            settings = {"camera.depth_units_per_metre": 1000.0} if self.parameters.sensor == "rgbd" else None
+            self.slam = dsslam.Slam(self.parameters.config or None, seen, settings=settings, schedule=self.parameters.schedule)
         if self.base_from_cam is None:
             frame = self.parameters.camera_frame or message.header.frame_id
             placed = self.base_from_camera(frame)
@@ -267,6 +270,10 @@ class Tracker:
         return self.located(result) if result.is_tracked else None
 
     def located(self, result):
+        if None not in (self.submap, result.submap) and result.submap != self.submap:
+            self.say(f"sub-map {result.submap}: its coordinates are unrelated to those before; the path begins anew")
+            self.path.clear()
+        self.submap = result.submap if result.submap is not None else self.submap
         base_from_cam = self.base_from_cam
         velocity = np.zeros(6)
         if result.motion is not None:
