@@ -213,16 +213,17 @@ def test_depth_and_a_camera_that_is_mounted_elsewhere(logic):
     parameters = logic.Parameters(sensor="rgbd", config="tum-rgbd", rectified=False, sync_tolerance=0.02, schedule="lockstep")
     tracker = logic.Tracker(parameters, base_from_camera=lambda frame: asked.append(frame) or mounted)
     tracker.camera_info("left", info)
-    found, n = [], 8
-    streams = [("left", "rgb.txt", "rgb8"), ("depth", "depth.txt", "32FC1")]
-    rows = {name: [line.split()[:2] for line in (folder / file).read_text().splitlines() if line[0] != "#"] for name, file, _ in streams}
-    for i in range(n):
-        for name, _, encoding in streams:
-            time, file = rows[name][i]
-            pixels = png(folder / file)
-            pixels = pixels if name == "left" else (pixels / 5000).astype(np.float32)
-            found += tracker.image(name, image(round(float(time) * 1e6) * 1000, pixels, encoding))
-    assert len(found) == n - tracker.pairs.n_alone - len(tracker.pairs.waiting[0]) >= 5 and asked == ["camera"]
+    frames = []
+    for name, file, encoding, n in [("left", "rgb.txt", "rgb8", 30), ("depth", "depth.txt", "32FC1", 12)]:
+        lines = [line.split()[:2] for line in (folder / file).read_text().splitlines() if line[0] != "#"]
+        frames += [(round(float(time) * 1e6) * 1000, name, encoding, file) for time, file in lines[:n]]
+    found = []
+    for t_ns, name, encoding, file in sorted(frames):
+        pixels = png(folder / file)
+        pixels = pixels if name == "left" else (pixels / 5000).astype(np.float32)
+        found += tracker.image(name, image(t_ns, pixels, encoding))
+    # Color began half a second before depth.
+    assert len(found) >= 10 and tracker.pairs.n_alone >= 10 and asked == ["camera"]
     np.testing.assert_allclose(found[0].map_from_base, np.eye(4), rtol=0, atol=1e-12)
     moved = np.linalg.norm(found[-1].map_from_base[:3, 3])
     assert 0.01 < moved < 0.5, "a hand moves"
