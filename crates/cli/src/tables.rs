@@ -1,24 +1,42 @@
 //! The tables of a run: the outcome of each frame, the loops that were verified, the time of each stage.
 
+use geometry::PoseCovariance;
 use runtime::{FrameRecord, LoopRecord, LoopResult, Timings};
+use slam::Assessment;
 
 /// `frames.csv`: a row per frame. Frames with equal `submap` have poses in one coordinate frame; it is the keyframe that
-/// the sub-map grew from.
+/// the sub-map grew from. The covariance is the upper triangle, row by row, in the axes of the camera.
 pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
-    let mut text = String::from("frame,timestamp_s,state,submap,inliers,reason\n");
+    let mut text =
+        String::from("frame,timestamp_s,state,submap,inliers,reason,quality,quality_reasons,residual_px");
+    PoseCovariance::names().for_each(|name| text.push_str(&format!(",cov_{name}")));
+    text.push('\n');
     for record in records {
         let inliers = record.status.inliers().map_or(String::new(), |inliers| inliers.to_string());
         let reason = record.status.reason().unwrap_or_default();
         let submap = record.submap.map_or(String::new(), |root| root.to_string());
         text.push_str(&format!(
-            "{},{},{},{submap},{inliers},{}\n",
+            "{},{},{},{submap},{inliers},{}",
             record.index,
             record.timestamp_s,
             record.status.state().key(),
             quoted(&reason)
         ));
+        push_assessment(&mut text, &record.assessment);
+        text.push('\n');
     }
     text
+}
+
+/// The cells that say how far a frame is to be trusted, each with a comma in front; all digits are kept.
+fn push_assessment(text: &mut String, assessment: &Assessment) {
+    let reasons: Vec<&str> = assessment.reasons.iter().map(|reason| reason.key()).collect();
+    let residual_px = assessment.residual_px.map_or(String::new(), |px| px.to_string());
+    text.push_str(&format!(",{},{},{residual_px}", assessment.quality, reasons.join(";")));
+    match &assessment.covariance {
+        Some(covariance) => covariance.triangle().iter().for_each(|v| text.push_str(&format!(",{v:e}"))),
+        None => text.push_str(&",".repeat(PoseCovariance::N)),
+    }
 }
 
 /// `loops.csv`: a row per loop that was looked at closely.
@@ -70,6 +88,7 @@ pub(crate) mod tests {
     use geometry::{SE3, SO3, Vec3};
     use map::KeyframeId;
     use runtime::{FrameStatus, FrameTimings, Unusable};
+    use slam::QualityReason;
 
     /// A frame at x = `x` meters, or a dropped one.
     pub(crate) fn record(index: u32, x: Option<f64>) -> FrameRecord {
@@ -78,7 +97,14 @@ pub(crate) mod tests {
             Some(_) => FrameStatus::Tracked { inliers: 100 },
             None => FrameStatus::Dropped(Unusable::Missing("left")),
         };
-        FrameRecord { index, timestamp_s: f64::from(index) * 0.1, status, world_from_cam, submap: None }
+        FrameRecord {
+            index,
+            timestamp_s: f64::from(index) * 0.1,
+            status,
+            world_from_cam,
+            submap: None,
+            assessment: slam::Assessment::default(),
+        }
     }
 
     #[test]
@@ -88,15 +114,37 @@ pub(crate) mod tests {
         records[1].status = FrameStatus::Dropped(
             io::ImageError::Unreadable { path: "a.png".into(), reason: "\"no\", thanks".to_owned() }.into(),
         );
-        let root = KeyframeId(7).to_string();
+        let (root, empty) = (KeyframeId(7).to_string(), ",".repeat(PoseCovariance::N));
+        let text = frames_csv(&records);
+        let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
-            frames_csv(&records),
-            format!(
-                "frame,timestamp_s,state,submap,inliers,reason\n3,{},tracked,{root},100,\n\
-                 4,0.4,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\"\n",
-                records[0].timestamp_s
-            )
+            lines[1],
+            format!("3,{},tracked,{root},100,,0,,{empty}", records[0].timestamp_s)
         );
+        assert_eq!(
+            lines[2],
+            format!("4,0.4,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\",0,,{empty}")
+        );
+        assert!(lines[0].starts_with("frame,timestamp_s,state,submap,inliers,reason,quality,"));
+        assert!(lines[0].ends_with(",cov_ryrz,cov_rzrz"));
+        assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
+    }
+
+    #[test]
+    fn every_digit_of_a_covariance_is_written() {
+        let triangle = std::array::from_fn(|i| if [0, 6, 11, 15, 18, 20].contains(&i) { 1.0 / 3.0 } else { 1e-4 });
+        let mut record = record(3, Some(0.0));
+        record.assessment = Assessment {
+            covariance: PoseCovariance::of_triangle(&triangle),
+            residual_px: Some(0.5),
+            quality: 0.25,
+            reasons: vec![QualityReason::FewInliers, QualityReason::MostlyFar],
+        };
+        let text = frames_csv(&[record]);
+        let cells: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
+        assert_eq!(cells[6..9], ["0.25", "few_inliers;mostly_far", "0.5"]);
+        let read: Vec<f64> = cells[9..].iter().map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(read, triangle);
     }
 
     #[test]

@@ -72,6 +72,7 @@ mod tests {
             },
             world_from_cam: Some(SE3::new(SO3::identity(), Vec3::new(f64::from(index), 0.0, 0.0))),
             submap: root.map(KeyframeId),
+            assessment: slam::Assessment::default(),
         };
         (0..).zip(roots).map(record).collect()
     }

@@ -72,6 +72,7 @@ mod tests {
             status,
             world_from_cam: None,
             submap: None,
+            assessment: slam::Assessment::default(),
         };
         (0..).zip(all).map(record).collect()
     }

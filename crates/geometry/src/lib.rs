@@ -15,6 +15,7 @@ mod median;
 mod p3p;
 mod pinhole;
 mod polynomial;
+mod pose_covariance;
 mod product;
 mod ransac;
 mod raster;
@@ -47,6 +48,7 @@ pub use homography::{
 pub use median::median;
 pub use p3p::p3p;
 pub use pinhole::Pinhole;
+pub use pose_covariance::PoseCovariance;
 pub use ransac::{Consensus, Estimator, RansacOptions, ransac};
 pub use raster::{DepthImage, GrayImage, ImageSize, Raster};
 pub use rectify::{RectificationError, StereoRectification, rectify_single, rectify_stereo};

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use features::{ActivationMap, Frame};
 use geometry::{GrayImage, SE3};
 use map::{KeyframeId, PointId, RelativePose};
-use slam::{KeyframeReason, MappingReport, RefinedCalibration, TrackStats, Tracked, World};
+use slam::{Assessment, KeyframeReason, MappingReport, RefinedCalibration, TrackStats, Tracked, World};
 
 use crate::feed::FrameInfo;
 use crate::record::{FrameStatus, LoopRecord};
 use crate::snapshot::View;
 
 /// What tracking knows of a frame as soon as it is done with it. Later corrections of the map move its pose.
-/// Fields may be added, such as a covariance of the pose.
+/// Fields may be added.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FrameAnswer {
@@ -29,6 +29,8 @@ pub struct FrameAnswer {
     pub last_from_cam: Option<SE3>,
     /// The sub-map of that pose, named by the root of its keyframes; `None` without a pose, and for the frame that starts it.
     pub submap: Option<KeyframeId>,
+    /// How far the pose is to be trusted, with its covariance.
+    pub assessment: Assessment,
     /// Why mapping was asked to make it a keyframe, if it was.
     pub keyframe: Option<KeyframeReason>,
     /// Counts of tracking.

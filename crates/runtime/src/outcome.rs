@@ -80,6 +80,7 @@ fn records(tracked: Vec<TrackedFrame>, mapping: &MapLog, map: &Map) -> Vec<Frame
                 .and_then(|relative| relative.cam_from_world(map))
                 .map(|cam_from_world| cam_from_world.normalized().inverse()),
             submap: relative.and_then(|relative| map.submap_of(relative.keyframe)),
+            assessment: frame.assessment,
         });
         last = relative.or(last);
     }

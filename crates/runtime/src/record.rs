@@ -9,7 +9,7 @@ use features::ActivationError;
 use geometry::SE3;
 use io::{ImageError, ImageSize};
 use map::{KeyframeId, Map};
-use slam::{Lost, NotReady, RefinedCalibration};
+use slam::{Assessment, Lost, NotReady, RefinedCalibration};
 use thiserror::Error;
 
 use crate::failure::StageFailure;
@@ -152,6 +152,8 @@ pub struct FrameRecord {
     /// The sub-map that the pose belongs to, named by the root of its keyframes. Poses of different sub-maps are in
     /// unrelated coordinate frames.
     pub submap: Option<KeyframeId>,
+    /// How far the pose is to be trusted, with its covariance, as tracking saw it.
+    pub assessment: Assessment,
 }
 
 /// A loop that was looked at closely.

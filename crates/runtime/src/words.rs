@@ -202,7 +202,7 @@ mod tests {
     use super::*;
     use crate::record::{FrameStatus, Unusable};
     use map::KeyframeId;
-    use slam::{Lost, NotReady, TrackStats};
+    use slam::{Assessment, Lost, NotReady, TrackStats};
 
     fn frame(index: u32, status: FrameStatus) -> Event {
         Event::Frame(Box::new(FrameAnswer {
@@ -212,6 +212,7 @@ mod tests {
             world_from_cam: None,
             last_from_cam: None,
             submap: None,
+            assessment: Assessment::default(),
             keyframe: None,
             stats: TrackStats::default(),
             features: 0,

@@ -10,7 +10,9 @@
 #[path = "../tests/common/scene.rs"]
 mod scene;
 
+mod assess;
 mod assign;
+mod covariance;
 mod keyframe_database;
 pub mod loops;
 pub mod lost;
@@ -28,6 +30,7 @@ pub mod tracker;
 mod visibility;
 mod world;
 
+pub use assess::{Assessment, QualityReason};
 pub use keyframe_database::KeyframeDatabase;
 pub use loops::{GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, NoLoop, adjust_globally};
 pub use lost::{Lost, NotReady};

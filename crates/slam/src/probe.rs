@@ -9,6 +9,8 @@ pub enum Stage {
     LocalMap,
     /// The keyframe decision.
     Decide,
+    /// The covariance of the pose and its quality.
+    Assess,
     /// Insertion of a keyframe and its stereo points.
     Insert,
     /// Culling of young points.
@@ -42,6 +44,7 @@ impl Stage {
             Stage::Predict => "predict",
             Stage::LocalMap => "local_map",
             Stage::Decide => "decide",
+            Stage::Assess => "assess",
             Stage::Insert => "insert",
             Stage::CullPoints => "cull_points",
             Stage::Triangulate => "triangulate",

@@ -1,5 +1,6 @@
 //! `dsslam eval`: the command line of this package, included by the `dsslam` program.
 
+mod consistency;
 mod hints;
 mod loops;
 mod out;
@@ -38,6 +39,9 @@ enum Action {
     /// Scores detected loops: precision, recall, precision-recall curve.
     #[command(after_help = loops::HELP)]
     Loops(loops::LoopsArgs),
+    /// Compares covariances with true errors: NEES of motions over 10 frames, share within the 95 % bounds.
+    #[command(after_help = consistency::HELP)]
+    Consistency(consistency::ConsistencyArgs),
     /// Recognizes places in a sequence with three selections of features: precision-recall curves and their areas.
     #[command(after_help = places::HELP)]
     Places(places::PlacesArgs),
@@ -56,6 +60,7 @@ impl EvalCommand {
             Action::Compare(args) => suite::compare(&args),
             Action::Plot(args) => suite::plot(&args),
             Action::Loops(args) => loops::run(&args),
+            Action::Consistency(args) => consistency::run(&args),
             Action::Places(args) => out::say(places::run(&args, host)?.trim_end()),
         }
     }

@@ -3,6 +3,7 @@
 mod axes;
 mod bars;
 mod canvas;
+mod consistency;
 mod drift;
 mod error;
 mod precision_recall;
@@ -10,6 +11,7 @@ mod trajectory;
 
 pub use bars::BarFigure;
 pub use canvas::{Canvas, Figure, render, save, save_png, save_svg, svg};
+pub use consistency::ConsistencyFigure;
 pub use drift::{DriftAxis, DriftFigure};
 pub use error::ErrorFigure;
 pub use precision_recall::PrecisionRecallFigure;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crossbeam::channel::{Receiver, Sender};
 use features::Frame;
 use map::{PointCount, RelativePose};
-use slam::{KeyframeRequest, Placement, TrackState, TrackStats, Tracked, Tracker};
+use slam::{Assessment, KeyframeRequest, Placement, TrackState, TrackStats, Tracked, Tracker};
 
 use crate::events::{Event, FrameAnswer, FrameDetails};
 use crate::failure::caught;
@@ -33,6 +33,7 @@ pub(crate) struct TrackedFrame {
     pub(crate) info: FrameInfo,
     pub(crate) status: FrameStatus,
     pub(crate) relative: Option<RelativePose>,
+    pub(crate) assessment: Assessment,
     pub(crate) seen: Seen,
     pub(crate) timings: FrameTimings,
 }
@@ -106,6 +107,7 @@ impl TrackStage {
             info,
             status,
             relative: tracked.pose,
+            assessment: tracked.assessment,
             seen: Seen::After(view.operation, view.idle),
             timings,
         });
@@ -130,6 +132,7 @@ impl TrackLog {
             world_from_cam: None,
             last_from_cam: None,
             submap: None,
+            assessment: Assessment::default(),
             keyframe: None,
             stats: TrackStats::default(),
             features: 0,
@@ -139,7 +142,14 @@ impl TrackLog {
             track_ms: 0.0,
         };
         emit(Event::Frame(Box::new(answer.clone())));
-        self.frames.push(TrackedFrame { info, status, relative: None, seen, timings: watch.finish() });
+        self.frames.push(TrackedFrame {
+            info,
+            status,
+            relative: None,
+            assessment: Assessment::default(),
+            seen,
+            timings: watch.finish(),
+        });
         answer
     }
 }
@@ -173,6 +183,7 @@ fn answer(frame: &Frame, tracked: &Tracked, view: &View, track_ms: f64) -> Frame
         world_from_cam: cam_from_world.map(|cam_from_world| cam_from_world.normalized().inverse()),
         last_from_cam: None,
         submap: pose.and_then(|pose| map.submap_of(pose.keyframe)),
+        assessment: tracked.assessment.clone(),
         keyframe: tracked.keyframe.as_ref().map(|request| request.reason),
         stats: tracked.stats,
         features: frame.len(),

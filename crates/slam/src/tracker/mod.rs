@@ -1,5 +1,6 @@
 //! Tracking: a frame and an immutable map give a pose, or a reason why there is none.
 
+mod assessor;
 mod evidence;
 mod initializer;
 mod keyframe_policy;
@@ -16,10 +17,12 @@ use features::Frame;
 use geometry::SE3;
 use map::{KeyframeId, Map, PointCount, PointId, RelativePose};
 
+use crate::assess::Assessment;
 use crate::lost::{Lost, NotReady};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::world::World;
+use assessor::Assessor;
 use evidence::{Yardstick, add_evidence};
 use initializer::Initializer;
 pub use initializer::{InitialPair, NoPair};
@@ -106,6 +109,8 @@ pub struct Tracked {
     pub matched: Vec<(u32, PointId)>,
     /// Those of them that agree with the pose.
     pub inliers: Vec<(u32, PointId)>,
+    /// How far the pose is to be trusted.
+    pub assessment: Assessment,
 }
 
 /// The tracker's memory between two frames: the last frame and how the camera moved.
@@ -123,6 +128,8 @@ pub struct Tracker {
     velocity: Option<MotionModel>,
     /// Index of the frame that last became a keyframe.
     last_keyframe_index: u32,
+    /// Judges poses; tracking itself never asks it.
+    assessor: Assessor,
 }
 
 impl Tracker {
@@ -136,6 +143,7 @@ impl Tracker {
             lost_frames: 0,
             velocity: None,
             last_keyframe_index: 0,
+            assessor: Assessor::default(),
         }
     }
 
@@ -166,6 +174,7 @@ impl Tracker {
             let Some(first) = LastFrame::of_newest_keyframe(map, started) else {
                 return not_tracked(TrackState::NotReady(NotReady::MapStarting), None);
             };
+            self.assessor.remember(first.clone());
             self.last = Some(first);
             self.starting = None;
         }
@@ -214,7 +223,15 @@ impl Tracker {
                     pair: None,
                 }
             });
-        self.last = Some(LastFrame::new(frame.clone(), pose, &local.matches));
+        let assessment = staged(probe, Stage::Assess, || {
+            if local.stats.relocalized {
+                self.assessor.forget();
+            }
+            self.assessor.assess(frame, map, &local, &self.params)
+        });
+        let last = LastFrame::new(frame.clone(), pose, &local.matches);
+        self.assessor.remember(last.clone());
+        self.last = Some(last);
         Tracked {
             state: TrackState::Tracked,
             pose: Some(pose),
@@ -223,6 +240,7 @@ impl Tracker {
             stats: local.stats,
             matched: local.matched,
             inliers: local.matches,
+            assessment,
         }
     }
 
@@ -289,6 +307,7 @@ impl Tracker {
         self.last_keyframe_index = frame.index;
         self.velocity = None;
         self.last = None;
+        self.assessor.forget();
         self.lost_frames = 0;
         self.starting = Some(frame.clone());
         let request = KeyframeRequest {
@@ -307,6 +326,7 @@ impl Tracker {
     /// camera was last seen.
     fn lose(&mut self, frame: &Arc<Frame>, map: &Map, last: Option<LastFrame>, lost: Lost) -> Tracked {
         self.velocity = None;
+        self.assessor.forget();
         let tracking = &self.params.tracking;
         let could_start =
             self.params.camera.sensor.is_scale_free() || frame.n_with_depth() >= tracking.init_min_features;
@@ -334,6 +354,7 @@ fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
         stats: TrackStats::default(),
         matched: Vec::new(),
         inliers: Vec::new(),
+        assessment: Assessment::default(),
     }
 }
 
