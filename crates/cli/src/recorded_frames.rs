@@ -6,20 +6,17 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use dsslam::mcap::FinalFrame;
-use geometry::Mat6;
+use geometry::PoseCovariance;
 use io::TrajectoryFormat;
 
 use crate::outputs::submap_file;
-
-/// The covariance in `frames.csv`: the upper triangle, row by row.
-const AXES: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 
 /// A row of `frames.csv`.
 struct Row {
     /// Seconds, as they are written.
     time: f64,
     submap: String,
-    covariance: Option<Mat6>,
+    covariance: Option<PoseCovariance>,
 }
 
 /// The sub-map that is asked for.
@@ -56,7 +53,7 @@ impl Recorded {
             stamps.len(),
             poses.len()
         );
-        let covariances: BTreeMap<u64, Option<Mat6>> =
+        let covariances: BTreeMap<u64, Option<PoseCovariance>> =
             rows.iter().map(|row| (row.time.to_bits(), row.covariance)).collect();
         let frame = |(stamp, pose): (&&str, &io::StampedPose)| -> Result<FinalFrame> {
             let t_ns = nanoseconds(stamp).with_context(|| format!("{}: time {stamp}", path.display()))?;
@@ -105,19 +102,13 @@ fn rows(folder: &Path) -> Result<Vec<Row>> {
     let column = |name: &str| head.iter().position(|cell| cell == name);
     let needed = |name: &str| column(name).with_context(|| format!("{}: found no column {name}", path.display()));
     let (time, state, submap) = (needed("timestamp_s")?, needed("state")?, needed("submap")?);
-    let pairs = (0..6).flat_map(|i| (i..6).map(move |j| (i, j)));
-    let pairs: Option<Vec<(usize, usize, usize)>> =
-        pairs.map(|(i, j)| Some((i, j, column(&format!("cov_{}{}", AXES[i], AXES[j]))?))).collect();
+    let places: Option<Vec<usize>> =
+        PoseCovariance::names().map(|name| column(&format!("cov_{name}"))).collect();
     let row = |cells: Vec<String>| -> Result<Row> {
         let cell = |at: usize| cells.get(at).map_or("", String::as_str);
-        let covariance = pairs.as_ref().and_then(|pairs| {
-            let mut matrix = Mat6::zeros();
-            for &(i, j, at) in pairs {
-                matrix[(i, j)] = cell(at).parse().ok()?;
-                matrix[(j, i)] = matrix[(i, j)];
-            }
-            Some(matrix)
-        });
+        let numbers = |places: &Vec<usize>| places.iter().map(|&at| cell(at).parse().ok()).collect::<Option<Vec<f64>>>();
+        let triangle = places.as_ref().and_then(numbers).and_then(|numbers| numbers.try_into().ok());
+        let covariance = triangle.and_then(|triangle| PoseCovariance::of_triangle(&triangle));
         let time = cell(time);
         let time = time.parse().with_context(|| format!("{}: timestamp_s {time}", path.display()))?;
         Ok(Row { time, submap: cell(submap).to_owned(), covariance })

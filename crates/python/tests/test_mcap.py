@@ -1,5 +1,6 @@
 """MCAP files are read by the packages `mcap` and `mcap-ros2-support`: every message decodes, and says what the trajectory says."""
 
+import csv
 import io
 import signal
 import subprocess
@@ -285,3 +286,38 @@ def test_a_full_disk_costs_the_file_and_not_the_results(town, tmp_path):
     ran = program("run", town / "town", "--quiet", "--mcap", link, "--out", out, *QUICK)
     assert ran.returncode == 3 and f"{link}: cannot be written: No space left" in ran.stderr
     assert (out / "trajectory.tum.txt").read_bytes() == (town / "run" / "trajectory.tum.txt").read_bytes()
+
+
+def covariances(file):
+    """Covariances of the frames with a pose in `frames.csv`, along the axes of the camera; None where there is none."""
+    axes = ["x", "y", "z", "rx", "ry", "rz"]
+    found = []
+    with open(file, newline="") as text:
+        for row in csv.DictReader(text):
+            if row["state"] != "tracked":
+                continue
+            matrix = np.zeros((6, 6))
+            for i, a in enumerate(axes):
+                for j, b in enumerate(axes[i:], i):
+                    if row[f"cov_{a}{b}"]:
+                        matrix[i, j] = matrix[j, i] = float(row[f"cov_{a}{b}"])
+            found.append(matrix)
+    return found
+
+
+@pytest.mark.parametrize("topics", ["live", "exported"])
+def test_covariances_are_those_of_the_table_along_the_axes_of_the_parent(town, live, topics):
+    found = live
+    if topics == "exported":
+        out = town / "covariances.mcap"
+        assert program("export", town / "run", "--to", "mcap", "--out", out).returncode == 0
+        found = decoded(out.read_bytes())
+    table = covariances(town / "run" / "frames.csv")
+    assert len(table) == 40 and sum(matrix.any() for matrix in table) >= 38
+    for topic in ["/odometry", "/pose"]:
+        for message, of_camera in zip(found[topic], table, strict=True):
+            turn = np.kron(np.eye(2), rotation(message.pose.pose.orientation) @ TURN)
+            matrix = np.array(message.pose.covariance).reshape(6, 6)
+            np.testing.assert_allclose(matrix, turn @ of_camera @ turn.T, rtol=1e-9, atol=1e-12)
+    last = found["/odometry"][-1]
+    assert np.linalg.eigvalsh(np.array(last.twist.covariance).reshape(6, 6)).min() > 0

@@ -2,7 +2,7 @@
 //! signs, and no digit changes.
 
 use bag::out::Pose;
-use geometry::{Mat6, SE3, SO3, Vec3};
+use geometry::{Mat6, PoseCovariance, SE3, SO3, Vec3};
 
 /// A vector along the axes of the camera, along those of ROS.
 pub(super) fn vector(v: &Vec3) -> Vec3 {
@@ -27,15 +27,9 @@ pub(super) fn optical_in_body() -> Pose {
     Pose { position: Vec3::zeros(), quaternion: [q.i, q.j, q.k, q.w] }
 }
 
-/// A covariance along and about the axes of the camera, along and about those of a frame in ROS's axes; `parent_from_cam` leads to this
-/// frame with the axes of a camera.
-pub(super) fn covariance(of_camera: &Mat6, parent_from_cam: &SO3) -> Mat6 {
-    let rotation = turn() * *parent_from_cam;
-    let mut twice = Mat6::zeros();
-    for at in [0, 3] {
-        twice.fixed_view_mut::<3, 3>(at, at).copy_from(rotation.matrix());
-    }
-    twice * of_camera * twice.transpose()
+/// A covariance along and about the axes of a frame in ROS's axes; `parent_from_cam` leads to this frame with the axes of a camera.
+pub(super) fn covariance(of_pose: &PoseCovariance, parent_from_cam: &SO3) -> Mat6 {
+    of_pose.in_parent(&(turn() * *parent_from_cam))
 }
 
 #[cfg(test)]
@@ -72,6 +66,7 @@ mod tests {
     fn a_covariance_turns_with_the_camera() {
         // The depth is uncertain, and the turn about the axis of sight.
         let of_camera = Mat6::from_diagonal(&geometry::Vec6::new(1.0, 2.0, 9.0, 0.1, 0.2, 0.9));
+        let of_camera = PoseCovariance::new(of_camera).unwrap();
         let ahead = covariance(&of_camera, &SO3::identity()).diagonal();
         assert_eq!(ahead.as_slice(), [9.0, 1.0, 2.0, 0.9, 0.1, 0.2]);
         // A quarter to the left: forward is now y.

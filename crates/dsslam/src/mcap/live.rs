@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use features::Rig;
-use geometry::{Mat6, SE3};
+use geometry::{PoseCovariance, SE3};
 use io::{Clock, FileError, Sensor};
 use map::{Keyframe, KeyframeId, Map, RelativePose};
 use runtime::{Event, FrameAnswer, FrameDetails, Observer, RunOutcome};
@@ -51,7 +51,7 @@ struct Place {
     index: u32,
     /// `None`: it starts a map, and its keyframe is not known yet.
     relative: Option<RelativePose>,
-    covariance: Option<Mat6>,
+    covariance: Option<PoseCovariance>,
 }
 
 /// What path and points held when they were written last.
@@ -133,7 +133,7 @@ impl McapRecorder {
             sink.cameras(t_ns, self.sensor, &self.rig)?;
         }
         let name = self.names.of(answer.submap);
-        let covariance = covariance_of(answer);
+        let covariance = answer.assessment.covariance;
         sink.moment(&Moment {
             t_ns,
             map: &name,
@@ -206,11 +206,6 @@ impl McapRecorder {
         self.written.loop_edges = loop_edges;
         Ok(())
     }
-}
-
-/// The covariance of a frame's pose, along and about the axes of the camera.
-fn covariance_of(_answer: &FrameAnswer) -> Option<Mat6> {
-    None
 }
 
 impl Observer for McapRecorder {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bag::out::CloudPoint;
 use features::Rig;
-use geometry::{Mat6, SE3};
+use geometry::{PoseCovariance, SE3};
 use io::{Clock, FileError, Sensor};
 use map::{KeyframeId, Map, MapPoint};
 use runtime::FrameRecord;
@@ -20,8 +20,8 @@ pub struct FinalFrame {
     pub t_ns: i64,
     /// The left camera.
     pub world_from_cam: SE3,
-    /// Covariance along and about the axes of the camera, translation first; `None`: not known, or that of the map's first frame.
-    pub covariance: Option<Mat6>,
+    /// `None`: not known, or that of the map's first frame.
+    pub covariance: Option<PoseCovariance>,
 }
 
 /// What a file of results holds: one sub-map.
@@ -77,7 +77,7 @@ pub(crate) fn final_frames(
     let frame = |record: &FrameRecord| {
         let world_from_cam = own_pose(record)?;
         let t_ns = clock.nanoseconds(record.timestamp_s);
-        Some(FinalFrame { t_ns, world_from_cam, covariance: None })
+        Some(FinalFrame { t_ns, world_from_cam, covariance: record.assessment.covariance })
     };
     let of = |submap: crate::submaps::Submap| {
         (submap.root, of_submap(records, submap).iter().filter_map(frame).collect())

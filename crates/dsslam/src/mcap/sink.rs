@@ -9,7 +9,7 @@ use bag::out::{
     Transform, Transforms,
 };
 use features::Rig;
-use geometry::{Mat6, SE3, Vec3};
+use geometry::{Mat6, PoseCovariance, SE3, SO3, Vec3};
 use io::{FileError, Sensor};
 
 use super::axes;
@@ -34,7 +34,7 @@ pub(super) struct Moment<'a> {
     pub(super) map_from_odom: SE3,
     pub(super) odom_from_cam: SE3,
     /// Along and about the axes of the camera.
-    pub(super) covariance: Option<Mat6>,
+    pub(super) covariance: Option<PoseCovariance>,
     pub(super) motion: Option<Motion>,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct Motion {
     pub(super) seconds: f64,
     pub(super) last_from_cam: SE3,
     /// Of the pose before, along and about the axes of the camera then.
-    pub(super) last_covariance: Option<Mat6>,
+    pub(super) last_covariance: Option<PoseCovariance>,
 }
 
 /// Velocities along and about the axes of the body, with their covariance.
@@ -58,20 +58,16 @@ struct Twist {
 impl Motion {
     /// The mean velocities since the frame before. Their covariance is that of the two poses as if these erred on their own, which is more
     /// than the truth, since both were found in the same map.
-    fn twist(&self, covariance: Option<&Mat6>) -> Twist {
+    fn twist(&self, covariance: Option<&PoseCovariance>) -> Twist {
         let cam_from_last = self.last_from_cam.inverse();
         let moved = -cam_from_last.translation / self.seconds;
         let turned = self.last_from_cam.rotation.log() / self.seconds;
-        let of_motion = covariance.zip(self.last_covariance.as_ref()).map(|(now, last)| {
-            let adjoint = cam_from_last.adjoint();
-            now + adjoint * last * adjoint.transpose()
+        let of_motion = covariance.zip(self.last_covariance.as_ref()).and_then(|(now, last)| {
+            let both = now.in_camera() + last.of_body(&cam_from_last).in_camera();
+            PoseCovariance::new(both / (self.seconds * self.seconds))
         });
-        let of_motion = of_motion.unwrap_or_default() / (self.seconds * self.seconds);
-        Twist {
-            linear: axes::vector(&moved),
-            angular: axes::vector(&turned),
-            covariance: axes::covariance(&of_motion, &geometry::SO3::identity()),
-        }
+        let covariance = of_motion.map_or_else(Mat6::zeros, |of| axes::covariance(&of, &SO3::identity()));
+        Twist { linear: axes::vector(&moved), angular: axes::vector(&turned), covariance }
     }
 }
 
