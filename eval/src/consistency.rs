@@ -79,7 +79,11 @@ impl Consistency {
             nees.push((later.frame, error.dot(&factor.solve(&error))));
             squares += error.component_mul(&error).component_div(&covariance.diagonal());
         }
-        ensure!(!nees.is_empty(), "no frame with a covariance has a true pose, and one {} frames before", options.delta);
+        ensure!(
+            !nees.is_empty(),
+            "no frame with a covariance has a true pose, and one {} frames before",
+            options.delta
+        );
         let n = nees.len() as f64;
         let share = |is: &dyn Fn(f64) -> bool| nees.iter().filter(|(_, v)| is(*v)).count() as f64 / n;
         let mut values: Vec<f64> = nees.iter().map(|(_, v)| *v).collect();
@@ -145,7 +149,15 @@ mod tests {
     /// Frames on a bend whose motions over 3 frames have errors of exactly these covariances: column `i` of the root times
     /// the square root of 6, in turn.
     fn frames(scale: f64) -> Vec<ConsistentFrame> {
-        let root = Mat6::from_fn(|r, c| if r == c { 0.01 } else if r > c { 0.003 } else { 0.0 });
+        let root = Mat6::from_fn(|r, c| {
+            if r == c {
+                0.01
+            } else if r > c {
+                0.003
+            } else {
+                0.0
+            }
+        });
         let covariance = PoseCovariance::new(root * root.transpose() * scale);
         let step = SE3::exp(&Vec6::new(0.1, 0.0, 1.0, 0.02, 0.05, -0.01));
         let truth: Vec<SE3> =
@@ -210,7 +222,9 @@ mod tests {
         let truth = Trajectory { poses: vec![pose(1.0, 0.0), pose(1.05, 0.2), pose(2.0, 0.4)] };
         let between = interpolated(&truth, 1.0125).unwrap();
         assert!((between.log() - pose(0.0, 0.05).world_from_cam.log()).norm() < 1e-3);
-        assert!((between.rotation.angle() - 0.05).abs() < 1e-9 && (between.translation.x - 0.05).abs() < 1e-9);
+        assert!(
+            (between.rotation.angle() - 0.05).abs() < 1e-9 && (between.translation.x - 0.05).abs() < 1e-9
+        );
         assert_eq!(interpolated(&truth, 1.050_001), Some(truth.poses[1].world_from_cam));
         assert_eq!(interpolated(&truth, 1.5), None, "too far from both");
         assert!(interpolated(&truth, 0.5).is_none() && interpolated(&truth, 2.5).is_none());

@@ -111,7 +111,10 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
     let has_colors = args.images.is_some() || args.color.is_some();
     ensure!(!(args.to.is_trajectory() && has_colors), "--images and --color have no effect with --to {name}");
     let is_run = args.to == Format::Mcap && args.map.is_dir();
-    ensure!(args.with_map.is_none() || is_run, "--map needs --to mcap and the results folder of a run in the place of MAP");
+    ensure!(
+        args.with_map.is_none() || is_run,
+        "--map needs --to mcap and the results folder of a run in the place of MAP"
+    );
     let hint = "found a folder, expected a map's file; --to mcap takes the results folder of a run, too";
     ensure!(is_run || !args.map.is_dir(), "{}: {hint}", args.map.display());
     let wants_image = args.color == Some(ColorArg::Image);

@@ -22,7 +22,8 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Exit, Failure> {
         };
         console::say(format!("run          {}{whole}", args.map.display()));
         console::say(format!("frames       {}", recorded.frames.len()));
-        let map = args.with_map.as_deref().map(|file| of_root(file, &recorded.submap)).transpose().or_input()?;
+        let map =
+            args.with_map.as_deref().map(|file| of_root(file, &recorded.submap)).transpose().or_input()?;
         (results.frames, results.has_motion) = (recorded.frames, true);
         map
     } else {
@@ -60,12 +61,14 @@ fn add_map(
     results: &mut McapResults,
     (map, info, submap): (&Map, &MapFileInfo, usize),
 ) -> Result<(), Failure> {
-    let scene = ::export::Scene::of(map, submap).with_context(|| args.map.display().to_string()).or_input()?;
+    let scene =
+        ::export::Scene::of(map, submap).with_context(|| args.map.display().to_string()).or_input()?;
     let images = args.images.as_deref().map(|dir| find_images(&scene, info, dir)).transpose().or_input()?;
     describe(args, info, &scene);
     let colors = colors(args, &scene, images.as_ref(), None)?;
     let points = scene.points.iter().zip(&colors);
-    let points = points.filter_map(|(point, &color)| Some(cloud_point(map, map.point(PointId(point.id))?, color)));
+    let points =
+        points.filter_map(|(point, &color)| Some(cloud_point(map, map.point(PointId(point.id))?, color)));
     results.points = points.collect();
     if let (Some(sensor), Some(view)) = (info.sensor, scene.views.first()) {
         let rig = map.keyframe(KeyframeId(view.keyframe)).map(|keyframe| (*keyframe.frame.rig).clone());

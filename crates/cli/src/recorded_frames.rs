@@ -38,7 +38,10 @@ impl Recorded {
         let submaps = submaps(&rows);
         let n_submaps = submaps.len();
         let root = submaps.get(submap).with_context(|| {
-            format!("{}: found no sub-map {submap}: the run has {n_submaps}, numbered from 0 by their frames", folder.display())
+            format!(
+                "{}: found no sub-map {submap}: the run has {n_submaps}, numbered from 0 by their frames",
+                folder.display()
+            )
         })?;
         let name = if n_submaps > 1 { submap_file(root) } else { "trajectory.tum.txt".to_owned() };
         let path = folder.join(name);
@@ -100,13 +103,16 @@ fn rows(folder: &Path) -> Result<Vec<Row>> {
     let mut table = cells(&text).into_iter();
     let head = table.next().unwrap_or_default();
     let column = |name: &str| head.iter().position(|cell| cell == name);
-    let needed = |name: &str| column(name).with_context(|| format!("{}: found no column {name}", path.display()));
+    let needed =
+        |name: &str| column(name).with_context(|| format!("{}: found no column {name}", path.display()));
     let (time, state, submap) = (needed("timestamp_s")?, needed("state")?, needed("submap")?);
     let places: Option<Vec<usize>> =
         PoseCovariance::names().map(|name| column(&format!("cov_{name}"))).collect();
     let row = |cells: Vec<String>| -> Result<Row> {
         let cell = |at: usize| cells.get(at).map_or("", String::as_str);
-        let numbers = |places: &Vec<usize>| places.iter().map(|&at| cell(at).parse().ok()).collect::<Option<Vec<f64>>>();
+        let numbers = |places: &Vec<usize>| {
+            places.iter().map(|&at| cell(at).parse().ok()).collect::<Option<Vec<f64>>>()
+        };
         let triangle = places.as_ref().and_then(numbers).and_then(|numbers| numbers.try_into().ok());
         let covariance = triangle.and_then(|triangle| PoseCovariance::of_triangle(&triangle));
         let time = cell(time);

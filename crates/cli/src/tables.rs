@@ -117,10 +117,7 @@ pub(crate) mod tests {
         let (root, empty) = (KeyframeId(7).to_string(), ",".repeat(PoseCovariance::N));
         let text = frames_csv(&records);
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(
-            lines[1],
-            format!("3,{},tracked,{root},100,,0,,{empty}", records[0].timestamp_s)
-        );
+        assert_eq!(lines[1], format!("3,{},tracked,{root},100,,0,,{empty}", records[0].timestamp_s));
         assert_eq!(
             lines[2],
             format!("4,0.4,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\",0,,{empty}")
@@ -132,7 +129,8 @@ pub(crate) mod tests {
 
     #[test]
     fn every_digit_of_a_covariance_is_written() {
-        let triangle = std::array::from_fn(|i| if [0, 6, 11, 15, 18, 20].contains(&i) { 1.0 / 3.0 } else { 1e-4 });
+        let triangle =
+            std::array::from_fn(|i| if [0, 6, 11, 15, 18, 20].contains(&i) { 1.0 / 3.0 } else { 1e-4 });
         let mut record = record(3, Some(0.0));
         record.assessment = Assessment {
             covariance: PoseCovariance::of_triangle(&triangle),

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use geometry::SE3;
 use features::Rig;
+use geometry::SE3;
 use io::{Clock, Sensor, Trajectory};
 use map::MapFileInfo;
 use runtime::{RunOutcome, Setup};
@@ -72,7 +72,8 @@ impl Finished {
     /// A file that cannot be written.
     pub fn save_mcap(&self, file: impl AsRef<Path>) -> Result<(), Error> {
         let outcome = &self.outcome;
-        let (root, frames) = mcap::final_frames(&outcome.frames, &self.clock).into_iter().next().unwrap_or_default();
+        let (root, frames) =
+            mcap::final_frames(&outcome.frames, &self.clock).into_iter().next().unwrap_or_default();
         let is_inside = |point: &&map::MapPoint| outcome.map.submap_of(point.reference) == root;
         let point = |point: &map::MapPoint| {
             let green = (point.trust() * 255.0).round() as u8;

@@ -106,7 +106,8 @@ mod tests {
     use crate::aliases::Vec6;
 
     fn covariance() -> PoseCovariance {
-        let root = Mat6::from_fn(|r, c| if r == c { 0.1 + r as f64 } else { 0.05 * (r as f64 - 2.0 * c as f64) });
+        let root =
+            Mat6::from_fn(|r, c| if r == c { 0.1 + r as f64 } else { 0.05 * (r as f64 - 2.0 * c as f64) });
         PoseCovariance::new(root * root.transpose()).unwrap()
     }
 

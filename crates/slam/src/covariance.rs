@@ -79,7 +79,15 @@ impl Window {
         for (view, point_cam, local) in seen {
             let Some(block) = view.checked_sub(1).map(|view| 6 * view) else { continue };
             let cross = Mat3::new(
-                0.0, -point_cam.z, point_cam.y, point_cam.z, 0.0, -point_cam.x, -point_cam.y, point_cam.x, 0.0,
+                0.0,
+                -point_cam.z,
+                point_cam.y,
+                point_cam.z,
+                0.0,
+                -point_cam.x,
+                -point_cam.y,
+                point_cam.x,
+                0.0,
             );
             let upper = local * (self.views[view].rotation.matrix() * inverse_root);
             levers.push(Lever { block, upper, lower: cross * upper });
@@ -124,7 +132,11 @@ impl Window {
                 }
                 let product = weight * slope_i * slope_j.transpose();
                 let (row, column) = (6 * (view_i - 1), 6 * (view_j - 1));
-                if row >= column { self.put(row, column, &product) } else { self.put(column, row, &product.transpose()) }
+                if row >= column {
+                    self.put(row, column, &product)
+                } else {
+                    self.put(column, row, &product.transpose())
+                }
             }
         }
     }

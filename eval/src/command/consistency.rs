@@ -122,7 +122,12 @@ fn frame(
     let world_from_cam = at(estimate)?;
     let scaled = row.covariance.and_then(|c| geometry::PoseCovariance::new(c.in_camera() * factor * factor));
     let Some(body) = body else {
-        return Some(ConsistentFrame { frame: row.frame, estimate: world_from_cam, truth, covariance: scaled });
+        return Some(ConsistentFrame {
+            frame: row.frame,
+            estimate: world_from_cam,
+            truth,
+            covariance: scaled,
+        });
     };
     let world_from_body = at(body)?;
     let body_from_cam = world_from_body.inverse() * world_from_cam;

@@ -30,8 +30,7 @@ impl Figure for ConsistencyFigure {
             return Ok(());
         };
         let (width, height) = (800.0, 420.0);
-        let names =
-            [format!("NEES, mean {mean:.2}"), format!("95 % bounds, {:.0} % within", 100.0 * inside)];
+        let names = [format!("NEES, mean {mean:.2}"), format!("95 % bounds, {:.0} % within", 100.0 * inside)];
         let keys = [
             Key { text: &names[0], color: PALETTE[1], width: 4.0 },
             Key { text: &names[1], color: INK, width: 1.5 },

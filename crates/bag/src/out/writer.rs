@@ -136,7 +136,8 @@ impl<W: Write> McapWriter<W> {
     /// A time that ROS cannot hold (its seconds have 32 bits), and what the target says.
     pub fn write<M: Message>(&mut self, topic: &str, t_ns: i64, message: &M) -> Result<()> {
         if i32::try_from(t_ns.div_euclid(1_000_000_000)).is_err() {
-            let reason = format!("{topic}: found the time {t_ns} ns, expected seconds of 32 bits, as ROS has");
+            let reason =
+                format!("{topic}: found the time {t_ns} ns, expected seconds of 32 bits, as ROS has");
             return Err(Error::new(ErrorKind::InvalidInput, reason));
         }
         let id = self.channel::<M>(topic);
@@ -252,9 +253,9 @@ impl<W: Write> McapWriter<W> {
         let body = Body::default().u64(n_messages).u16(self.schemas.len() as u16).u32(self.channels.len());
         // Neither attachments nor metadata.
         let body = body.u32(0).u32(0).u32(self.chunks.len()).u64(first).u64(last);
-        let counts = (1..).zip(&self.channels).fold(Body::default(), |counts, (id, channel)| {
-            counts.u16(id).u64(channel.n_messages)
-        });
+        let counts = (1..)
+            .zip(&self.channels)
+            .fold(Body::default(), |counts, (id, channel)| counts.u16(id).u64(channel.n_messages));
         body.u32(counts.0.len()).put(&counts.0).record(op::STATISTICS)
     }
 }

@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 
 use dsslam_bag::Bag;
-use dsslam_bag::out::{
-    Cloud, CloudPoint, Header, McapWriter, Odometry, Path, Pose, Transform, Transforms,
-};
+use dsslam_bag::out::{Cloud, CloudPoint, Header, McapWriter, Odometry, Path, Pose, Transform, Transforms};
 use geometry::{Mat6, Vec3};
 use mcap::{MessageStream, Summary};
 
@@ -41,10 +39,12 @@ fn file() -> Vec<u8> {
             writer.flush().unwrap();
         }
     }
-    let point = CloudPoint { position: Vec3::x(), color: [1, 2, 3], activation: 0.5, trust: 0.25, observations: 4 };
+    let point =
+        CloudPoint { position: Vec3::x(), color: [1, 2, 3], activation: 0.5, trust: 0.25, observations: 4 };
     let cloud = Cloud { header: header(29, "map"), points: vec![point; 3] };
     writer.write("/map_points", cloud.header.t_ns, &cloud).unwrap();
-    let path = Path { header: header(29, "map"), poses: (0..30).map(|i| (header(i, "").t_ns, pose(i))).collect() };
+    let path =
+        Path { header: header(29, "map"), poses: (0..30).map(|i| (header(i, "").t_ns, pose(i))).collect() };
     writer.write("/path", path.header.t_ns, &path).unwrap();
     writer.finish().unwrap()
 }
@@ -99,7 +99,10 @@ fn the_reader_of_bags_finds_the_poses_to_the_nanosecond() {
         let poses = &bag.poses().0;
         assert_eq!(poses.len(), 30);
         for (i, found) in poses.iter().enumerate() {
-            assert_eq!((found.t_ns, found.parent.as_str(), found.child.as_str()), (header(i, "").t_ns, "odom", "base_link"));
+            assert_eq!(
+                (found.t_ns, found.parent.as_str(), found.child.as_str()),
+                (header(i, "").t_ns, "odom", "base_link")
+            );
             assert_eq!(found.pose.translation, pose(i).position);
             let q = found.pose.rotation.to_quaternion();
             assert!((q.j - 0.6).abs() < 1e-12 && (q.w - 0.8).abs() < 1e-12, "{q}");
@@ -136,5 +139,9 @@ fn times_that_ros_cannot_hold_are_refused() {
     let file = writer.finish().unwrap();
     let message = MessageStream::new(&file).unwrap().next().unwrap().unwrap();
     assert_eq!(message.log_time, 0);
-    assert_eq!(message.data[4..12], [0xff, 0xff, 0xff, 0xff, 0xff, 0xc9, 0x9a, 0x3b], "-1 s and 999999999 ns");
+    assert_eq!(
+        message.data[4..12],
+        [0xff, 0xff, 0xff, 0xff, 0xff, 0xc9, 0x9a, 0x3b],
+        "-1 s and 999999999 ns"
+    );
 }

@@ -39,7 +39,8 @@ impl Audience {
     pub(crate) fn gather(job: &Job) -> Result<Self, Failure> {
         let (show, path) = (&job.show, job.folder.file(FILE_NAME));
         let options = StreamOptions { image_every: show.rerun_every, ..StreamOptions::default() };
-        let mut audience = Audience { progress: Progress::new(), file: None, room: None, mcap: None, viewer: None };
+        let mut audience =
+            Audience { progress: Progress::new(), file: None, room: None, mcap: None, viewer: None };
         if show.events {
             let target = YieldingFile::create(&path)
                 .with_context(|| format!("{}: cannot be written", path.display()))

@@ -62,11 +62,7 @@ impl Manner {
 /// A file that cannot be written.
 pub(crate) fn check_writable(file: &Path) -> Result<()> {
     ensure!(!file.is_dir(), "{}: cannot be written: it is a folder", file.display());
-    ensure!(
-        file.file_name().is_some(),
-        "{}: cannot be written: the file name is missing",
-        file.display()
-    );
+    ensure!(file.file_name().is_some(), "{}: cannot be written: the file name is missing", file.display());
     Ok(io::create_output_folder(folder_of(file))?)
 }
 

@@ -46,8 +46,7 @@ mod tests {
 
     #[test]
     fn a_pose_in_other_axes_moves_points_likewise() {
-        let parent_from_child =
-            SE3::new(SO3::exp(&Vec3::new(0.3, -0.7, 0.2)), Vec3::new(1.0, -2.0, 3.0));
+        let parent_from_child = SE3::new(SO3::exp(&Vec3::new(0.3, -0.7, 0.2)), Vec3::new(1.0, -2.0, 3.0));
         let found = pose(&parent_from_child);
         let [x, y, z, w] = found.quaternion;
         let quaternion = geometry::Quaternion::from_quaternion([x, y, z, w].into());

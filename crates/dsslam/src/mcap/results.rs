@@ -45,7 +45,8 @@ pub fn write_results(path: &Path, results: &McapResults) -> Result<(), FileError
     const MAP: &str = "map";
     let mut sink = Sink::create(path)?;
     let mut last: Option<&FinalFrame> = None;
-    let [first, end] = [results.frames.first(), results.frames.last()].map(|frame| frame.map_or(0, |f| f.t_ns));
+    let [first, end] =
+        [results.frames.first(), results.frames.last()].map(|frame| frame.map_or(0, |f| f.t_ns));
     if let Some((sensor, rig)) = &results.camera {
         sink.cameras(first, *sensor, rig)?;
     }
@@ -57,7 +58,14 @@ pub fn write_results(path: &Path, results: &McapResults) -> Result<(), FileError
         });
         let (map_from_odom, odom_from_cam) = (SE3::identity(), frame.world_from_cam);
         let covariance = frame.covariance;
-        sink.moment(&Moment { t_ns: frame.t_ns, map: MAP, map_from_odom, odom_from_cam, covariance, motion })?;
+        sink.moment(&Moment {
+            t_ns: frame.t_ns,
+            map: MAP,
+            map_from_odom,
+            odom_from_cam,
+            covariance,
+            motion,
+        })?;
         last = Some(frame);
     }
     if !results.frames.is_empty() {

@@ -40,7 +40,8 @@ impl Motion {
 impl Last {
     fn in_map(self, map: &Map) -> Option<RelativePose> {
         let newest: Option<KeyframeId> = map.newest_keyframe().filter(|_| self.was_asked);
-        let own = newest.and_then(|id| map.keyframe(id)).filter(|keyframe| keyframe.frame.index == self.index);
+        let own =
+            newest.and_then(|id| map.keyframe(id)).filter(|keyframe| keyframe.frame.index == self.index);
         own.map(|keyframe| RelativePose::of_keyframe(keyframe.id)).or(self.relative)
     }
 }

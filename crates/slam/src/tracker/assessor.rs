@@ -64,7 +64,9 @@ impl Assessor {
         params: &Params,
     ) -> Assessment {
         let noise = params.noise();
-        let Some(ratio_sq) = residual_variance(frame, map, local, noise) else { return Assessment::default() };
+        let Some(ratio_sq) = residual_variance(frame, map, local, noise) else {
+            return Assessment::default();
+        };
         if self.variances.len() == COVARIANCE_FRAMES {
             self.variances.pop_front();
         }
@@ -91,7 +93,14 @@ impl Assessor {
     ) -> Option<PoseCovariance> {
         let past = past?;
         let dump = std::env::var_os("COV_EXP").is_some();
-        let base = covariance(frame, map, local, past, params, Variant { keyframes: 4, multiple: false, points: MAX_POINTS })?;
+        let base = covariance(
+            frame,
+            map,
+            local,
+            past,
+            params,
+            Variant { keyframes: 4, multiple: false, points: MAX_POINTS },
+        )?;
         if dump {
             let mut out = String::new();
             for (name, variant) in [
@@ -105,7 +114,14 @@ impl Assessor {
             ] {
                 if let Some(m) = covariance(frame, map, local, past, params, variant) {
                     let list: Vec<String> = m.iter().map(|v| format!("{v:e}")).collect();
-                    out.push_str(&format!("COV,{},{},{name},{},{mean_sq},{},{}\n", frame.index, past.frame.index, params.camera.feature_sigma_px, local.matches.len(), list.join(",")));
+                    out.push_str(&format!(
+                        "COV,{},{},{name},{},{mean_sq},{},{}\n",
+                        frame.index,
+                        past.frame.index,
+                        params.camera.feature_sigma_px,
+                        local.matches.len(),
+                        list.join(",")
+                    ));
                 }
             }
             eprint!("{out}");
@@ -155,14 +171,19 @@ fn covariance(
         (id, Some(feature), at.map(|at| then[at].1))
     };
     let earlier = past.matches.iter().filter(|&&(_, id)| now.binary_search(&id).is_err());
-    let all: Vec<(PointId, Option<u32>, Option<u32>)> =
-        local.matches.iter().map(in_both).chain(earlier.map(|&(feature, id)| (id, None, Some(feature)))).collect();
+    let all: Vec<(PointId, Option<u32>, Option<u32>)> = local
+        .matches
+        .iter()
+        .map(in_both)
+        .chain(earlier.map(|&(feature, id)| (id, None, Some(feature))))
+        .collect();
     let stride = all.len().div_ceil(variant.points).max(1);
     let sampled = all.iter().step_by(stride);
     let shared: Vec<Shared<'_>> =
         sampled.filter_map(|&(id, now, then)| Some(Shared { point: map.point(id)?, now, then })).collect();
     let share = shared.len() as f64 / all.len() as f64;
-    let past_keyframe = map.keyframe(past.pose.keyframe).filter(|kf| kf.frame.is_same(&past.frame)).map(|kf| kf.id);
+    let past_keyframe =
+        map.keyframe(past.pose.keyframe).filter(|kf| kf.frame.is_same(&past.frame)).map(|kf| kf.id);
     let keyframes = most_voted(&shared, past_keyframe, variant.keyframes);
     let mut views: Vec<SE3> = vec![past.cam_from_world(map)];
     views.extend(keyframes.iter().filter_map(|&id| map.keyframe(id).map(|kf| kf.cam_from_world)));
@@ -205,7 +226,8 @@ fn most_voted(shared: &[Shared<'_>], but: Option<KeyframeId>, n: usize) -> Vec<K
     let observations = shared.iter().flat_map(|shared| shared.point.observations());
     let mut seen: Vec<KeyframeId> = observations.map(|o| o.keyframe).filter(|&id| Some(id) != but).collect();
     seen.sort_unstable();
-    let mut votes: Vec<(usize, KeyframeId)> = seen.chunk_by(|a, b| a == b).map(|same| (same.len(), same[0])).collect();
+    let mut votes: Vec<(usize, KeyframeId)> =
+        seen.chunk_by(|a, b| a == b).map(|same| (same.len(), same[0])).collect();
     votes.retain(|&(votes, _)| votes >= MIN_VOTES);
     votes.sort_by_key(|&(votes, id)| (std::cmp::Reverse(votes), id));
     votes.iter().take(n).map(|&(_, id)| id).collect()
