@@ -48,6 +48,11 @@ fn counts(text: &mut String, s: &Summary) {
     }
     row(text, "map", &format!("{} keyframes, {} points", s.keyframes, s.points));
     row(text, "places", &places(s));
+    if let Some(q) = s.quality {
+        let (median, least, below) = (q.median, q.least, 100.0 * q.below_half);
+        let value = format!("median {median:.2}, least {least:.2}, {below:.1} % of the poses below 0.5");
+        row(text, "quality", &value);
+    }
 }
 
 /// Loops, sub-maps and relocalizations.

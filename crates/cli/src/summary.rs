@@ -49,6 +49,8 @@ pub(crate) struct Summary {
     pub(crate) submaps_joined: usize,
     /// Times that a lost camera, or one in a map from a file, found its place again.
     pub(crate) relocalizations: usize,
+    /// How far the poses are to be trusted, from 0 to 1; `null` without a pose.
+    pub(crate) quality: Option<QualityFigures>,
     /// Global bundle adjustments applied.
     pub(crate) global_adjustments: usize,
     /// Disparity offset in force, pixels.
@@ -123,6 +125,28 @@ pub(crate) struct StageTimes {
     pub(crate) p95: f64,
     /// Maximum.
     pub(crate) max: f64,
+}
+
+/// Quality of the frames that have a pose, from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct QualityFigures {
+    /// Median.
+    pub(crate) median: f64,
+    /// The lowest.
+    pub(crate) least: f64,
+    /// Share of these frames below one half.
+    pub(crate) below_half: f64,
+}
+
+impl QualityFigures {
+    fn of(records: &[FrameRecord]) -> Option<Self> {
+        let tracked = records.iter().filter(|record| record.status.has_pose());
+        let mut values: Vec<f64> = tracked.map(|record| record.assessment.quality).collect();
+        let least = values.iter().copied().min_by(f64::total_cmp)?;
+        let n_below = values.iter().filter(|quality| **quality < 0.5).count();
+        let below_half = n_below as f64 / values.len() as f64;
+        Some(Self { median: geometry::median(&mut values)?, least, below_half })
+    }
 }
 
 /// Figures of one of several sub-maps.
@@ -237,6 +261,7 @@ impl Summary {
             loops_rejected: statistics.loops_rejected,
             submaps_joined: statistics.submaps_joined,
             relocalizations: statistics.relocalizations,
+            quality: QualityFigures::of(&outcome.frames),
             global_adjustments: statistics.globals_adopted,
             disparity_offset_px: outcome.disparity_offset_px
                 + outcome.calibration.as_ref().map_or(0.0, |found| found.errors[4]),
@@ -299,6 +324,20 @@ fn frames_without_pose(records: &[FrameRecord]) -> Vec<WithoutPose> {
 mod tests {
     use super::*;
     use crate::tables::tests::record;
+
+    #[test]
+    fn quality_is_that_of_the_frames_with_a_pose() {
+        let of = |quality: f64| {
+            let mut record = record(3, Some(0.0));
+            record.assessment.quality = quality;
+            record
+        };
+        let records = [of(0.9), record(4, None), of(0.25), of(0.5)];
+        let found = QualityFigures::of(&records).unwrap();
+        assert_eq!((found.median, found.least), (0.5, 0.25));
+        assert!((found.below_half - 1.0 / 3.0).abs() < 1e-12);
+        assert_eq!(QualityFigures::of(&[record(4, None)]), None);
+    }
 
     #[test]
     fn frames_without_a_pose_are_named_with_their_reason() {

@@ -67,13 +67,14 @@ mod view;
 
 pub use ::{bag, geometry, io, map, runtime, synth};
 
+pub use ::slam::{Assessment, QualityReason};
 pub use camera::Camera;
 pub use config::{CameraError, Chosen, Config, SCHEMA, presets};
 pub use error::{Error, FrameProblem};
 pub use evaluation::{Compared, scale_against_truth};
 pub use figures::{Doubt, Figure, Figures};
 pub use finished::Finished;
-pub use geometry::{DepthImage, Distortion, GrayImage, Pinhole, SE3, Sensor, StereoRig};
+pub use geometry::{DepthImage, Distortion, GrayImage, Pinhole, PoseCovariance, SE3, Sensor, StereoRig};
 pub use input::{Input, InputOptions};
 pub use maps::{load_map, sha256, vocabulary};
 pub use network::{NetworkOptions, load as load_network, open as open_network};

@@ -13,6 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::error::raised;
+use crate::frame::reasons;
 use crate::map::Map;
 use crate::poses;
 
@@ -94,6 +95,11 @@ impl Finished {
             row.set_item("reason", frame.status.reason())?;
             row.set_item("inliers", frame.status.inliers())?;
             row.set_item("submap", frame.submap.map(|root| root.0))?;
+            let (assessment, covariance) = (&frame.assessment, frame.assessment.covariance);
+            row.set_item("quality", assessment.quality)?;
+            row.set_item("quality_reasons", reasons(assessment))?;
+            let covariance = covariance.map(|covariance| poses::covariance(py, &covariance.in_camera()));
+            row.set_item("covariance", covariance.transpose()?)?;
             row.set_item("pose", own_pose(frame).map(|pose| poses::matrix(py, &pose)).transpose()?)?;
             Ok(row)
         });

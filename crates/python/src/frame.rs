@@ -1,6 +1,6 @@
 //! What tracking says of a frame.
 
-use dsslam::FrameAnswer;
+use dsslam::{Assessment, FrameAnswer};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -65,6 +65,38 @@ impl Result {
     }
 
     #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.answer
+            .assessment
+            .covariance
+            .map(|covariance| poses::covariance(py, &covariance.in_camera()))
+            .transpose()
+    }
+
+    #[getter]
+    fn covariance_world<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let turned = self.answer.assessment.covariance.zip(self.answer.world_from_cam);
+        turned
+            .map(|(covariance, pose)| poses::covariance(py, &covariance.in_parent(&pose.rotation)))
+            .transpose()
+    }
+
+    #[getter]
+    fn quality(&self) -> f64 {
+        self.answer.assessment.quality
+    }
+
+    #[getter]
+    fn quality_reasons(&self) -> Vec<&'static str> {
+        reasons(&self.answer.assessment)
+    }
+
+    #[getter]
+    fn residual_px(&self) -> Option<f64> {
+        self.answer.assessment.residual_px
+    }
+
+    #[getter]
     fn submap(&self) -> Option<u32> {
         self.answer.submap.map(|root| root.0)
     }
@@ -125,4 +157,9 @@ impl Result {
             None => format!("Result({}: {}, {} inliers)", self.answer.index, self.state(), self.inliers()),
         }
     }
+}
+
+/// What lowers the quality, in the words of `frames.csv`.
+pub(crate) fn reasons(assessment: &Assessment) -> Vec<&'static str> {
+    assessment.reasons.iter().map(|reason| reason.key()).collect()
 }

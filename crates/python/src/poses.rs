@@ -1,7 +1,7 @@
 //! Poses as numpy arrays, and back.
 
 use dsslam::SE3;
-use geometry::{SO3, Vec3};
+use geometry::{Mat6, SO3, Vec3};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -23,6 +23,11 @@ fn values(pose: &SE3) -> [f64; 16] {
 /// A pose as a 4x4 matrix.
 pub(crate) fn matrix<'py>(py: Python<'py>, pose: &SE3) -> PyResult<Bound<'py, PyArray2<f64>>> {
     PyArray1::from_slice(py, &values(pose)).reshape([4, 4])
+}
+
+/// A covariance as a 6x6 matrix; it is symmetric, so that the order of rows and columns does not matter.
+pub(crate) fn covariance<'py>(py: Python<'py>, covariance: &Mat6) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    PyArray1::from_slice(py, covariance.as_slice()).reshape([6, 6])
 }
 
 /// Poses as an array of shape (N, 4, 4).

@@ -4,10 +4,14 @@ use std::fmt;
 
 use geometry::PoseCovariance;
 
+/// Frames that a covariance looks back.
+pub const COVARIANCE_FRAMES: usize = 10;
+
 /// How far the pose of a frame is to be trusted. The default is that of a frame without a pose: not at all.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assessment {
-    /// Covariance of the pose in the map around it; `None` without a pose of its own, and for a frame that starts a map.
+    /// Covariance of the pose, seen from the camera [`COVARIANCE_FRAMES`] frames before, or from the first frame since a start or a
+    /// loss where that is nearer; `None` without a pose of its own, and for a frame that starts a map.
     pub covariance: Option<PoseCovariance>,
     /// Robust standard deviation of a residual of the inliers, pixels at octave 0.
     pub residual_px: Option<f64>,
@@ -15,6 +19,13 @@ pub struct Assessment {
     pub quality: f64,
     /// What lowers the quality most, the strongest reason first; empty for a good frame.
     pub reasons: Vec<QualityReason>,
+}
+
+impl Assessment {
+    /// Of a frame that starts a map: what it says is the truth by definition.
+    pub(crate) fn of_start() -> Self {
+        Assessment { quality: 1.0, ..Assessment::default() }
+    }
 }
 
 /// What makes a pose less trustworthy.

@@ -26,10 +26,11 @@ const SCALE_SIGMA: f64 = 1e-3;
 pub(crate) struct Sight {
     /// Index of the view.
     pub(crate) view: usize,
-    /// Inverse variance of each coordinate, 1/px^2.
-    pub(crate) information: f64,
-    /// Whether the column in the right image was measured.
-    pub(crate) stereo: bool,
+    /// Inverse variance of column and row in the left image, 1/px^2.
+    pub(crate) pixel: f64,
+    /// Inverse variance of the disparity, 1/px^2; 0 where it was not measured. Its error is independent of the pixel's, since both
+    /// images place a corner off by the same.
+    pub(crate) disparity: f64,
 }
 
 /// Normal equations of a small bundle, the points eliminated one after another.
@@ -107,12 +108,13 @@ impl Window {
         }
     }
 
-    /// J^T W J of the projection of a point, by the point in coordinates of the camera.
+    /// J^T W J of pixel and disparity of a point, by the point in coordinates of the camera.
     fn local(&self, point_cam: &Vec3, sight: &Sight) -> Mat3 {
-        let jacobian = self.rig.project_jacobian(point_cam);
-        let right = if sight.stereo { sight.information } else { 0.0 };
-        let weights = Vec3::new(sight.information, sight.information, right);
-        jacobian.tr_mul(&Mat3::from_diagonal(&weights)) * jacobian
+        let mono = self.rig.camera.project_jacobian(point_cam);
+        let mut local = mono.tr_mul(&mono) * sight.pixel;
+        let slope = self.rig.bf() / (point_cam.z * point_cam.z);
+        local[(2, 2)] += sight.disparity * slope * slope;
+        local
     }
 
     /// Takes the distance of two keyframes for known: the unit of length of a map without scale.

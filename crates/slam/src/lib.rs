@@ -23,6 +23,7 @@ pub mod params;
 mod pose;
 pub mod probe;
 mod problem;
+mod quality;
 mod refine;
 mod search;
 mod seed;
@@ -30,7 +31,7 @@ pub mod tracker;
 mod visibility;
 mod world;
 
-pub use assess::{Assessment, QualityReason};
+pub use assess::{Assessment, COVARIANCE_FRAMES, QualityReason};
 pub use keyframe_database::KeyframeDatabase;
 pub use loops::{GlobalSolution, LoopCloser, LoopCorrection, LoopOutcome, NoLoop, adjust_globally};
 pub use lost::{Lost, NotReady};

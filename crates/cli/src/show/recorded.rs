@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 use dsslam::Config;
+use eval::frames_table::cells;
 use events::{
     Camera, Counts, DeltaOptions, DeltaTracker, End, FinalPose, FramePose, FrameRecord, FrameState, Pose,
     Record, StageTime, Start,
@@ -142,11 +143,11 @@ fn frame(row: &Row, world_from_cam: Pose, stages: Vec<StageTime>) -> FrameRecord
 fn rows(folder: &Path) -> Result<Vec<Row>> {
     let name = "frames.csv";
     let row = |line: &str| -> Result<Row> {
-        let cells: Vec<&str> = line.splitn(6, ',').collect();
-        let [index, time, state, submap, inliers, reason] = cells[..] else {
-            bail!("{} cells, expected 6", cells.len())
+        let cells = cells(line);
+        let [index, time, state, submap, inliers, reason, ..] = &cells[..] else {
+            bail!("{} cells, expected at least 6", cells.len())
         };
-        let state = match state {
+        let state = match state.as_str() {
             "tracked" => FrameState::Tracked,
             "not_ready" => FrameState::NotReady,
             "lost" => FrameState::Lost,
@@ -159,7 +160,7 @@ fn rows(folder: &Path) -> Result<Vec<Row>> {
             state,
             submap: submap.strip_prefix('K').and_then(|id| id.parse().ok()),
             inliers: inliers.parse().unwrap_or(0),
-            reason: reason.trim_matches('"').to_owned(),
+            reason: reason.clone(),
         })
     };
     let text = read(folder, name)?;

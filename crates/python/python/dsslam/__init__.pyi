@@ -86,6 +86,18 @@ class Result:
     """Rotation ``world_from_cam`` as x, y, z, w."""
     motion: NDArray[np.float64] | None
     """Pose in the camera of the last frame that had one, 4x4: an odometry without the jumps of corrections."""
+    covariance: NDArray[np.float64] | None
+    """How far the pose may be off, seen from the camera 10 frames before (fewer after a start): 6x6, along and about the axes of the
+    camera, translation first; m2, m rad, rad2. None without a pose, and for a frame that starts a map."""
+    covariance_world: NDArray[np.float64] | None
+    """The same along and about the axes of the world, as ROS has it."""
+    quality: float
+    """How far to trust the frame, from 0 (no pose) to 1."""
+    quality_reasons: list[str]
+    """What lowers the quality, the strongest first: few_inliers, badly_spread, large_covariance, mostly_far, large_residuals,
+    just_relocalized, without_motion_model."""
+    residual_px: float | None
+    """Robust standard deviation of a residual, pixels at octave 0."""
     submap: int | None
     """The sub-map of the pose; poses of different sub-maps are in unrelated frames."""
     keyframe: bool
@@ -146,7 +158,8 @@ class Finished:
     interrupted: bool
     failure: str | None
     frames: list[dict[str, Any]]
-    """Per frame: index, time_s, state, reason, inliers, submap, pose (None without one of its own)."""
+    """Per frame: index, time_s, state, reason, inliers, submap, quality, quality_reasons, covariance and pose (None without one of
+    its own)."""
     loops: list[dict[str, Any]]
     map: Map
     evaluation: dict[str, Any] | None

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use features::Frame;
 use geometry::SE3;
-use map::{Map, PointId, RelativePose};
+use map::{KeyframeId, Map, PointId, RelativePose};
 
 /// A tracked frame with its matches.
 #[derive(Clone, Debug)]
@@ -23,7 +23,12 @@ impl LastFrame {
     /// The newest keyframe, if it is this frame.
     pub(crate) fn of_newest_keyframe(map: &Map, frame: &Arc<Frame>) -> Option<Self> {
         let newest = map.newest_keyframe().and_then(|id| map.keyframe(id));
-        let keyframe = newest.filter(|kf| kf.frame.is_same(frame))?;
+        LastFrame::of_keyframe(map, newest.filter(|kf| kf.frame.is_same(frame))?.id)
+    }
+
+    /// A keyframe of the map.
+    pub(crate) fn of_keyframe(map: &Map, id: KeyframeId) -> Option<Self> {
+        let keyframe = map.keyframe(id)?;
         let shown = keyframe.points().iter().zip(0..);
         Some(LastFrame {
             frame: keyframe.frame.clone(),

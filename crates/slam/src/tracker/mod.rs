@@ -9,6 +9,7 @@ mod local_map;
 mod motion_model;
 mod predict;
 mod relocalize;
+mod residuals;
 mod track_reference_keyframe;
 
 use std::sync::Arc;
@@ -223,12 +224,8 @@ impl Tracker {
                     pair: None,
                 }
             });
-        let assessment = staged(probe, Stage::Assess, || {
-            if local.stats.relocalized {
-                self.assessor.forget();
-            }
-            self.assessor.assess(frame, map, &local, &self.params)
-        });
+        let assessment =
+            staged(probe, Stage::Assess, || self.assessor.assess(frame, map, &local, &self.params));
         let last = LastFrame::new(frame.clone(), pose, &local.matches);
         self.assessor.remember(last.clone());
         self.last = Some(last);
@@ -319,7 +316,8 @@ impl Tracker {
             reason: KeyframeReason::First,
             pair,
         };
-        Tracked { keyframe: Some(request), ..not_tracked(TrackState::Started, None) }
+        let assessment = Assessment::of_start();
+        Tracked { keyframe: Some(request), assessment, ..not_tracked(TrackState::Started, None) }
     }
 
     /// Keeps the last good frame, so that recovery starts from it; after a lasting loss a new sub-map begins where the

@@ -1,7 +1,7 @@
 //! The covariance predicts how solutions of noisy measurements scatter.
 
-use geometry::{Pinhole, SO3, Vec2, Vec6};
-use optim::{BundleObservation, BundleOptions, BundleProblem, refine_bundle};
+use geometry::{Pinhole, SO3, Vec6};
+use nalgebra::{DMatrix, DVector};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -10,7 +10,7 @@ use super::*;
 /// Noise of the measurements, pixels.
 const SIGMA_PX: f64 = 0.4;
 /// Noisy solutions.
-const N_TRIALS: usize = 200;
+const N_TRIALS: u64 = 200;
 
 /// A camera that drives 1 m per view along a bend, and who sees which point.
 struct Drive {
@@ -43,7 +43,8 @@ impl Drive {
                 if point_cam.z > 2.0 && is_inside && random.random::<f64>() < 0.8 {
                     let scale = 1.2_f64.powi(random.random_range(0..4));
                     let stereo = stereo && random.random::<f64>() < 0.75;
-                    sights.push(Sight { view, information: (SIGMA_PX * scale).powi(-2), stereo });
+                    let pixel = (SIGMA_PX * scale).powi(-2);
+                    sights.push(Sight { view, pixel, disparity: if stereo { 16.0 * pixel } else { 0.0 } });
                 }
             }
             if sights.len() > 1 {
@@ -59,34 +60,81 @@ impl Drive {
         window.marginal_of_last().unwrap()
     }
 
-    /// The error of the last view, seen from the first one, after all measurements were made with noise and all unknowns solved for.
-    fn solved(&self, seed: u64, is_fixed: impl Fn(usize) -> bool) -> Vec6 {
+    /// The error of the last view, seen from the first one, after all measurements were made with noise and all unknowns solved for
+    /// by Gauss-Newton with numeric derivatives.
+    fn solved(&self, seed: u64) -> Vec6 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut noise = |sigma: f64| {
+        let mut noise = || {
             let u: f64 = 1.0 - random.random::<f64>();
-            sigma * (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * random.random::<f64>()).cos()
+            (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * random.random::<f64>()).cos()
         };
-        let mut observations = Vec::new();
-        for (number, (point, sights)) in (0..).zip(&self.points) {
+        let (mut views, mut points) = (self.views.clone(), self.points.clone());
+        let mut measured = Vec::new();
+        for (number, (point, sights)) in self.points.iter().enumerate() {
             for sight in sights {
-                let uvr = self.rig.project(&(self.views[sight.view] * *point));
-                let sigma = sight.information.powf(-0.5);
-                let pixel = Vec2::new(uvr.x + noise(sigma), uvr.y + noise(sigma));
-                let right_u = if sight.stereo { uvr.z + noise(sigma) } else { f64::NAN };
-                let (camera, inv_sigma_sq) = (sight.view as u32, sight.information);
-                observations.push(BundleObservation { camera, point: number, pixel, right_u, inv_sigma_sq });
+                let roots = Vec3::new(sight.pixel, sight.pixel, sight.disparity).map(f64::sqrt);
+                let whitened = self.whitened(&self.views[sight.view], point, &roots);
+                let noise = Vec3::new(noise(), noise(), if roots.z > 0.0 { noise() } else { 0.0 });
+                measured.push((number, sight.view, roots, whitened + noise));
             }
         }
-        let problem = BundleProblem {
-            rig: self.rig,
-            cameras: self.views.clone(),
-            fixed: (0..self.views.len()).map(is_fixed).collect(),
-            points: self.points.iter().map(|(point, _)| *point).collect(),
-            observations,
-        };
-        let options = BundleOptions { max_iterations: 20, robust: false, ..BundleOptions::default() };
-        let last = self.views.len() - 1;
-        (refine_bundle(&problem, &options).cameras[last] * self.views[last].inverse()).log()
+        let n_poses = 6 * (views.len() - 1);
+        for _ in 0..4 {
+            let n = n_poses + 3 * points.len();
+            let (mut normal, mut gradient) = (DMatrix::<f64>::zeros(n, n), DVector::<f64>::zeros(n));
+            for &(number, view, roots, measured) in &measured {
+                let (pose, point) = (views[view], points[number].0);
+                let error = self.whitened(&pose, &point, &roots) - measured;
+                let step = 1e-6;
+                let mut columns = Vec::new();
+                for i in 0..6 * usize::from(view > 0) {
+                    let moved = SE3::exp(&(Vec6::identity_column(i) * step)) * pose;
+                    let slope = (self.whitened(&moved, &point, &roots) - measured - error) / step;
+                    columns.push((6 * (view - 1) + i, slope));
+                }
+                for i in 0..3 {
+                    let moved = point + Vec3::identity_column(i) * step;
+                    let slope = (self.whitened(&pose, &moved, &roots) - measured - error) / step;
+                    columns.push((n_poses + 3 * number + i, slope));
+                }
+                for (row, a) in &columns {
+                    gradient[*row] += a.dot(&error);
+                    columns.iter().for_each(|(column, b)| normal[(*row, *column)] += a.dot(b));
+                }
+            }
+            let step = normal.cholesky().unwrap().solve(&(-gradient));
+            for (view, pose) in views.iter_mut().skip(1).enumerate() {
+                *pose = SE3::exp(&step.fixed_rows::<6>(6 * view).into_owned()) * *pose;
+            }
+            for (number, (point, _)) in points.iter_mut().enumerate() {
+                *point += step.fixed_rows::<3>(n_poses + 3 * number);
+            }
+        }
+        let last = views.len() - 1;
+        (views[last] * self.views[last].inverse()).log()
+    }
+
+    /// Column, row and disparity of a point, each times the root of its information.
+    fn whitened(&self, view: &SE3, point: &Vec3, roots: &Vec3) -> Vec3 {
+        let uvr = self.rig.project(&(*view * *point));
+        Vec3::new(uvr.x, uvr.y, uvr.x - uvr.z).component_mul(roots)
+    }
+}
+
+/// A column of the identity.
+trait IdentityColumn {
+    fn identity_column(i: usize) -> Self;
+}
+
+impl IdentityColumn for Vec6 {
+    fn identity_column(i: usize) -> Self {
+        Vec6::from_fn(|row, _| if row == i { 1.0 } else { 0.0 })
+    }
+}
+
+impl IdentityColumn for Vec3 {
+    fn identity_column(i: usize) -> Self {
+        Vec3::from_fn(|row, _| if row == i { 1.0 } else { 0.0 })
     }
 }
 
@@ -104,36 +152,23 @@ fn assert_right(eigenvalues: &[f64]) {
 
 #[test]
 fn solutions_of_noisy_drives_scatter_as_predicted() {
-    let drive = Drive::new(5, 150, true);
+    let drive = Drive::new(4, 40, true);
     let covariance = drive.covariance();
-    let errors: Vec<Vec6> = (0..N_TRIALS as u64).map(|seed| drive.solved(seed, |view| view == 0)).collect();
+    let errors: Vec<Vec6> = (0..N_TRIALS).map(|seed| drive.solved(seed)).collect();
     assert_right(&scatter(&errors, &covariance));
-    // With the map taken for exact, as if only the frame's own noise counted, it would be far too small.
-    let mut own = Mat6::zeros();
-    for (point, sights) in &drive.points {
-        for sight in sights.iter().filter(|sight| sight.view == 4) {
-            let point_cam = drive.views[4] * *point;
-            let by_pose = by_pose(&drive.rig, &point_cam);
-            let right = if sight.stereo { sight.information } else { 0.0 };
-            let weights = Vec3::new(sight.information, sight.information, right);
-            own += by_pose.transpose() * Mat3::from_diagonal(&weights) * by_pose;
-        }
-    }
-    let too_small = scatter(&errors, &own.try_inverse().unwrap());
-    assert!(too_small.iter().all(|v| *v > 1.6), "{too_small:?}");
-}
-
-/// Numeric, so that it does not share a mistake with what is tested.
-fn by_pose(rig: &StereoRig, point_cam: &Vec3) -> nalgebra::SMatrix<f64, 3, 6> {
-    let step = 1e-6;
-    let columns: Vec<Vec3> = (0..6)
-        .map(|i| {
-            let mut tangent = Vec6::zeros();
-            tangent[i] = step;
-            (rig.project(&(SE3::exp(&tangent) * *point_cam)) - rig.project(point_cam)) / step
-        })
-        .collect();
-    nalgebra::SMatrix::<f64, 3, 6>::from_columns(&columns)
+    // A map taken for exact, so that only the frame's own noise counts, would promise far too much.
+    let mut exact = Drive::new(4, 40, true);
+    let sure =
+        |sight: &mut Sight| (sight.pixel, sight.disparity) = (1e6 * sight.pixel, 1e6 * sight.disparity);
+    exact.points.iter_mut().flat_map(|(_, sights)| sights).filter(|s| s.view < 3).for_each(sure);
+    let promised = scatter(&errors, &exact.covariance());
+    assert!(promised.iter().sum::<f64>() > 2.0 * 6.0, "{promised:?}");
+    // Points alone unsure, but keyframes exact: errors in common would be missing.
+    let mut fixed = Window::new(drive.rig, drive.views.clone());
+    drive.points.iter().for_each(|(point, sights)| fixed.add(point, sights));
+    (0..12).for_each(|i| fixed.normal[i][i] += 1e12);
+    let promised = scatter(&errors, &fixed.marginal_of_last().unwrap());
+    assert!(promised.iter().copied().fold(0.0, f64::max) > 1.6, "{promised:?}");
 }
 
 /// One camera: lengths hold by two keyframes, which then are as good as fixed to each other.
@@ -153,7 +188,10 @@ fn one_camera_takes_lengths_from_two_keyframes() {
 #[test]
 fn more_keyframes_and_less_noise_make_it_smaller() {
     let (drive, mut exact) = (Drive::new(5, 150, true), Drive::new(5, 150, true));
-    exact.points.iter_mut().flat_map(|(_, sights)| sights).for_each(|sight| sight.information *= 4.0);
+    exact.points.iter_mut().flat_map(|(_, sights)| sights).for_each(|sight| {
+        sight.pixel *= 4.0;
+        sight.disparity *= 4.0;
+    });
     let ratio = drive.covariance().component_div(&exact.covariance());
     assert!((0..6).all(|i| (ratio[(i, i)] - 4.0).abs() < 0.1), "{ratio}");
     let mut fewer = Drive::new(5, 150, true);
@@ -171,7 +209,7 @@ fn what_nothing_determines_stays_loose() {
     // Points that one view alone sees say nothing.
     let mut window = Window::new(drive.rig, drive.views.clone());
     for (point, _) in &drive.points {
-        window.add(point, &[Sight { view: 2, information: 4.0, stereo: true }]);
+        window.add(point, &[Sight { view: 2, pixel: 4.0, disparity: 4.0 }]);
     }
     let covariance = window.marginal_of_last().unwrap();
     assert!((covariance[(0, 0)].sqrt() - LOOSE_M).abs() < 0.1, "{covariance}");
