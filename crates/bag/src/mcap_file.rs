@@ -163,7 +163,8 @@ impl McapFile {
     /// What is said at the end of a scan: where it ended early, and which chunks are left out.
     fn remark(&self, end: Option<String>) -> Option<String> {
         let (n, Some(first)) = &self.damaged else { return end };
-        let damaged = format!("{n} damaged chunks are left out, the first: {first}");
+        let chunks = if *n == 1 { "chunk is" } else { "chunks are" };
+        let damaged = format!("{n} damaged {chunks} left out, the first: {first}");
         Some(end.map_or(damaged.clone(), |end| format!("{end}; {damaged}")))
     }
 

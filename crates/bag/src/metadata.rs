@@ -119,7 +119,9 @@ fn listed(folder: &Path, remarks: &mut Vec<String>) -> (Vec<PathBuf>, bool) {
             (files, compression_mode.eq_ignore_ascii_case("message"))
         }
         Err(error) => {
-            remarks.push(format!("{}: {error}; the files are taken by name", file.display()));
+            let reason = error.to_string();
+            let reason = reason.lines().next().unwrap_or_default();
+            remarks.push(format!("{}: {reason}; the files are taken by name", file.display()));
             (Vec::new(), false)
         }
     }

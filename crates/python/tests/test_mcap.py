@@ -321,3 +321,18 @@ def test_covariances_are_those_of_the_table_along_the_axes_of_the_parent(town, l
             np.testing.assert_allclose(matrix, turn @ of_camera @ turn.T, rtol=1e-9, atol=1e-12)
     last = found["/odometry"][-1]
     assert np.linalg.eigvalsh(np.array(last.twist.covariance).reshape(6, 6)).min() > 0
+
+
+def test_corrections_of_the_map_go_into_the_odometry_frame(tmp_path):
+    """KITTI's calibration is refined during the run, which moves the map under the camera: the odometry does not jump."""
+    folder = real("kitti06_first51")
+    dsslam.run(folder, "kitti", mcap=tmp_path / "m.mcap")
+    found = decoded((tmp_path / "m.mcap").read_bytes())
+    at = np.array([of_pose(message.pose.pose)[:3, 3] for message in found["/odometry"]])
+    in_map = np.array([of_pose(message.pose.pose)[:3, 3] for message in found["/pose"]])
+    corrected = np.array([of_transform(message.transforms[0].transform)[:3, 3] for message in found["/tf"]])
+    # The car drives steadily: steps change by little from frame to frame.
+    changes = [np.linalg.norm(np.diff(path, 2, axis=0), axis=1).max() for path in (at, in_map)]
+    assert len(at) == 51 and changes[0] < 0.1
+    assert np.linalg.norm(corrected[-1]) > 0.01, "the map was corrected"
+    assert changes[0] <= changes[1] + 1e-3

@@ -10,6 +10,7 @@ from test_run import program
 
 QUICK = ["--config", "kitti", "--set", "features.selection=response", "--set", "features.keep=500"]
 FRAMES = 8
+ZSTD = b"\x28\xb5\x2f\xfd"
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +42,13 @@ def flipped(data):
     return data
 
 
+def unpackable(data):
+    """The second chunk does not begin as zstd does."""
+    at = data.find(ZSTD, data.find(ZSTD) + 1)
+    data[at : at + 4] = bytes(4)
+    return data
+
+
 def footless(data):
     """Without data end, summary and footer, as after a power cut."""
     return data[: data.rfind(b"\x0f" + (4).to_bytes(8, "little"))]
@@ -58,9 +66,9 @@ def nothing(data):
 FILES = {
     "mcap cut": ("mcap", cut, 4, r"the file ends within a record of \d+ bytes; what follows is left out"),
     "ros1 cut": ("ros1", cut, 4, r"drive.bag: byte \d+: the file ends within a record of \d+ bytes; what follows is left out"),
-    "sqlite cut": ("sqlite", cut, 3, r"\.db3: byte \d+: database disk image is malformed; what follows is left out"),
+    "sqlite cut": ("sqlite", cut, 4, r"\.db3: byte \d+: (database disk image is malformed|disk I/O error); what follows is left out"),
     "mcap without footer": ("mcap", footless, 8, r"ends without a footer: it was cut short"),
-    "mcap chunk changed": ("mcap_storage", flipped, None, r"1 damaged chunks are left out, the first: .*a chunk with checksum \w+, expected \w+"),
+    "mcap chunk changed": ("mcap_storage", unpackable, 7, r"1 damaged chunk is left out, the first: .*drive.mcap: byte \d+: "),
     "ros1 chunk changed": ("ros1_bz2", flipped, 3, r"byte \d+: bzip2: .*; what follows is left out"),
     "empty": ("mcap", nothing, None, r"found an empty file, expected a bag: an MCAP file, a ROS 1 bag"),
     "text": ("mcap", text, None, r'found a file that begins with "not a bag\\n", expected a bag'),
@@ -80,13 +88,6 @@ def check(path, n_frames, message):
 def test_damaged_files(town, tmp_path, name):
     kind, change, n_frames, message = FILES[name]
     file = sound(town, tmp_path / ("drive.bag" if kind.startswith("ros1") else "drive"), kind)
-    if name == "mcap chunk changed":
-        # Its chunks hold a megabyte; the damaged one costs its frames, not the rest.
-        ran = program("run", edited(file, change), *QUICK)
-        assert re.search(message, ran.stderr), ran.stderr
-        left = int(re.search(r"of (\d+) with a pose", ran.stdout)[1])
-        assert FRAMES // 2 <= left < FRAMES
-        return
     check(edited(file, change), n_frames, message)
 
 
@@ -129,7 +130,7 @@ def test_an_encoding_that_is_not_read(town, tmp_path):
 
 def test_left_and_right_that_are_too_far_apart(town, tmp_path):
     late = lambda camera, i, t, pixels: (t + camera * 45_000_000, pixels, "mono8")  # noqa: E731
-    check(images(town, tmp_path / "drive", late), None, r"0 of 8 images of /cam0/image_rect have a partner|has no frames")
+    check(images(town, tmp_path / "drive", late), None, "0 of 8 images of /cam0/image_rect have a partner in /cam1/image_rect, the nearest are 45.000 ms apart")
 
 
 def test_an_image_of_another_size_costs_its_frame(town, tmp_path):

@@ -126,6 +126,23 @@ fn a_file_that_is_cut_off_has_what_was_flushed() {
 }
 
 #[test]
+fn a_chunk_that_has_changed_is_left_out_and_said() {
+    let (folder, mut bytes) = (tempfile::tempdir().unwrap(), file());
+    let path = folder.path().join("changed.mcap");
+    let summary = Summary::read(&bytes).unwrap().unwrap();
+    let second = &summary.chunk_indexes[1];
+    // A byte of a message, which no reader could tell without the checksum.
+    let at = (second.chunk_start_offset + second.chunk_length) as usize - 20;
+    bytes[at] ^= 1;
+    std::fs::write(&path, &bytes).unwrap();
+    let bag = Bag::open(&path, Some("/odometry")).unwrap();
+    assert_eq!(bag.poses().0.len(), 20);
+    let [remark] = bag.remarks() else { panic!("{:?}", bag.remarks()) };
+    assert!(remark.contains("1 damaged chunk is left out, the first: "), "{remark}");
+    assert!(remark.contains("a chunk with checksum "), "{remark}");
+}
+
+#[test]
 fn times_that_ros_cannot_hold_are_refused() {
     let mut writer = McapWriter::new(Vec::new()).unwrap();
     let late = Path { header: Header { t_ns: i64::MAX, frame: "map" }, poses: Vec::new() };
