@@ -16,7 +16,7 @@ use crate::error::{ReadError, WriteError};
 /// Name of the stream's file in a results folder.
 pub const FILE_NAME: &str = "events.dslog";
 /// Version of the format that this crate writes and reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// What a stream begins with.
 pub(crate) const MAGIC: [u8; 8] = *b"DSEVENTS";

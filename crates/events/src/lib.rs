@@ -29,7 +29,7 @@ pub use pose::Pose;
 pub use reader::{Ending, StreamReader};
 pub use record::{
     ActivationMap, Camera, Counts, End, FeatureState, Features, FinalPose, FramePose, FrameRecord,
-    FrameState, Image, Level, Record, StageTime, Start, Text, TruePosition,
+    FrameState, Image, Level, Record, StageTime, Start, Text, TruePosition, Trust,
 };
 pub use scene::{PlacedFrame, Scene};
 pub use writer::StreamWriter;

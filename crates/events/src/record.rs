@@ -130,10 +130,21 @@ pub struct FrameRecord {
     pub reason: String,
     /// Its pose, if it has one of its own.
     pub pose: Option<FramePose>,
+    /// How far its pose is to be trusted; `None` without one.
+    pub trust: Option<Trust>,
     /// Counts of tracking.
     pub counts: Counts,
     /// Times of its stages.
     pub stages: Vec<StageTime>,
+}
+
+/// How far a pose is to be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trust {
+    /// From 0 to 1.
+    pub quality: f32,
+    /// Largest standard deviations of the position (m) and the rotation (deg), if they are known.
+    pub sigma: Option<[f32; 2]>,
 }
 
 /// Counts of tracking of a frame.

@@ -181,6 +181,8 @@ pub struct FrameDetails {
     pub scale: f64,
     /// Pose in that map; the identity for a frame that starts it.
     pub world_from_cam: SE3,
+    /// How far the pose is to be trusted, with its covariance.
+    pub assessment: Assessment,
     /// All matches of features with map points, sorted by feature.
     pub matched: Vec<(u32, PointId)>,
     /// Probability, of all that was known before this frame, that the point of each of them stands still.
@@ -218,6 +220,7 @@ impl FrameDetails {
             pose,
             scale: pose.map_or(1.0, |pose| map.scale_of(pose.keyframe)),
             world_from_cam: cam_from_world.normalized().inverse(),
+            assessment: tracked.assessment.clone(),
             trust: tracked.matched.iter().map(trust).collect(),
             matched: std::mem::take(&mut tracked.matched),
             inliers: std::mem::take(&mut tracked.inliers),

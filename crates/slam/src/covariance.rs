@@ -121,7 +121,7 @@ impl Window {
     pub(crate) fn hold_distance(&mut self, a: usize, b: usize) {
         let apart = self.views[a].center() - self.views[b].center();
         let length = apart.norm();
-        if !(length > 0.0) {
+        if length <= 0.0 || length.is_nan() {
             return;
         }
         let weight = (SCALE_SIGMA * length).powi(-2);

@@ -41,6 +41,10 @@ pub(crate) const SUBMAPS: &str = "world/submaps";
 pub(crate) const TIMES: &str = "plots/times_ms";
 /// Counts of tracking.
 pub(crate) const COUNTS: &str = "plots/counts";
+/// How far poses are to be trusted.
+pub(crate) const QUALITY: &str = "plots/quality";
+/// Largest standard deviations of poses.
+pub(crate) const SIGMA: &str = "plots/sigma";
 /// Size of the map.
 pub(crate) const MAP_SIZE: &str = "plots/map";
 /// Distances from the truth, meters.
@@ -131,6 +135,8 @@ fn counts() -> Tabs {
         ContainerLike::from(TimeSeriesView::new("counts").with_origin(COUNTS)),
         TimeSeriesView::new("map size").with_origin(MAP_SIZE).into(),
         TimeSeriesView::new("error [m]").with_origin(ERRORS).into(),
+        TimeSeriesView::new("quality").with_origin(QUALITY).into(),
+        TimeSeriesView::new("largest sigma").with_origin(SIGMA).into(),
     ])
 }
 

@@ -163,6 +163,13 @@ impl Show<'_> {
                 self.plot(layout::COUNTS, name, f64::from(count))?;
             }
         }
+        if let Some(trust) = &frame.trust {
+            self.plot(layout::QUALITY, "quality", f64::from(trust.quality))?;
+            if let Some([m, deg]) = trust.sigma {
+                self.plot(layout::SIGMA, "position_m", f64::from(m))?;
+                self.plot(layout::SIGMA, "rotation_deg", f64::from(deg))?;
+            }
+        }
         if frame.index.is_multiple_of(ALIGN_EVERY) || self.alignment.is_none() {
             self.align()?;
         }

@@ -9,9 +9,9 @@ use dsslam::Config;
 use eval::frames_table::cells;
 use events::{
     Camera, Counts, DeltaOptions, DeltaTracker, End, FinalPose, FramePose, FrameRecord, FrameState, Pose,
-    Record, StageTime, Start,
+    Record, StageTime, Start, Trust,
 };
-use geometry::SE3;
+use geometry::{PoseCovariance, SE3};
 use io::{StampedPose, TrajectoryFormat};
 use map::KeyframeId;
 use serde_json::Value;
@@ -27,6 +27,7 @@ struct Row {
     submap: Option<u32>,
     inliers: u32,
     reason: String,
+    trust: Option<Trust>,
 }
 
 /// What a results folder and a map's file tell.
@@ -134,6 +135,7 @@ fn frame(row: &Row, world_from_cam: Pose, stages: Vec<StageTime>) -> FrameRecord
         state: row.state,
         reason: row.reason.clone(),
         pose: (row.state == FrameState::Tracked).then_some(pose),
+        trust: row.trust,
         counts: Counts { inliers: row.inliers, ..Counts::default() },
         stages,
     }
@@ -161,6 +163,7 @@ fn rows(folder: &Path) -> Result<Vec<Row>> {
             submap: submap.strip_prefix('K').and_then(|id| id.parse().ok()),
             inliers: inliers.parse().unwrap_or(0),
             reason: reason.clone(),
+            trust: trust(&cells).filter(|_| state == FrameState::Tracked),
         })
     };
     let text = read(folder, name)?;
@@ -168,6 +171,17 @@ fn rows(folder: &Path) -> Result<Vec<Row>> {
     lines
         .map(|(i, line)| row(line).with_context(|| format!("{} line {}", folder.join(name).display(), i + 1)))
         .collect()
+}
+
+/// Of the cells behind the reason; tables of older versions have none.
+fn trust(cells: &[String]) -> Option<Trust> {
+    let quality = cells.get(6)?.parse().ok()?;
+    let numbers = cells.get(9..9 + PoseCovariance::N)?;
+    let numbers: Option<Vec<f64>> = numbers.iter().map(|cell| cell.parse().ok()).collect();
+    let triangle = numbers.and_then(|numbers| <[f64; PoseCovariance::N]>::try_from(numbers).ok());
+    let covariance = triangle.and_then(|triangle| PoseCovariance::of_triangle(&triangle));
+    let sigma = covariance.map(|c| [c.sigma_m().max() as f32, c.sigma_deg().max() as f32]);
+    Some(Trust { quality, sigma })
 }
 
 /// `timings.csv` by frame.

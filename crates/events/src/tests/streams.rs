@@ -98,7 +98,7 @@ fn other_files_and_other_versions_are_refused() {
     let error = read(b"DSEVENTS\x09\0\0\0").1.unwrap_err().to_string();
     assert_eq!(
         error,
-        "the event stream has version 9, this program reads version 1: use the program that wrote it"
+        "the event stream has version 9, this program reads version 2: use the program that wrote it"
     );
 }
 

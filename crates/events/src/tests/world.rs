@@ -6,7 +6,7 @@ use features::{Descriptor, Features, Frame, Keypoint, Rig, ScaleLevels};
 use geometry::{Distortion, Pinhole, SE3, SO3, Sensor, StereoRig, Vec3};
 use map::{Batch, KeyframeId, Map, NewKeyframe, NewPoint, Observation, Parent, PointId};
 
-use crate::{Camera, Counts, FramePose, FrameRecord, FrameState, Pose, Record, Start, TruePosition};
+use crate::{Camera, Counts, FramePose, FrameRecord, FrameState, Pose, Record, Start, TruePosition, Trust};
 
 /// A camera looking along z, `x` meters to the right of the origin.
 pub(super) fn camera_at(x: f64) -> SE3 {
@@ -88,6 +88,7 @@ pub(super) fn tracked(index: u32, x: f64, keyframe: Option<u32>, keyframe_x: f64
             scale: 1.0,
             world_from_cam: Pose::from(&camera_at(x).inverse()),
         }),
+        trust: Some(Trust { quality: 0.5, sigma: Some([0.01, 0.02]) }),
         counts: Counts { features: 16, ..Counts::default() },
         stages: Vec::new(),
     })

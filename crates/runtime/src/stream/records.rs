@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use events::{
     ActivationMap, Counts, End, FeatureState, Features, FinalPose, FramePose, FrameRecord, FrameState, Image,
-    Level, Pose, StageTime, Text,
+    Level, Pose, StageTime, Text, Trust,
 };
 use features::{Frame, Keypoint};
 use geometry::{SE3, Vec2, Vec3};
 use io::Preview;
+use slam::Assessment;
 
 use crate::events::FrameAnswer;
 use crate::events::FrameDetails;
@@ -31,6 +32,7 @@ pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
             scale: details.scale,
             world_from_cam: Pose::from(&details.world_from_cam),
         }),
+        trust: details.status.has_pose().then(|| trust(&details.assessment)),
         counts: Counts {
             features: count(frame.len()),
             with_depth: count(frame.n_with_depth()),
@@ -44,6 +46,11 @@ pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
     }
 }
 
+fn trust(assessment: &Assessment) -> Trust {
+    let sigma = assessment.covariance.map(|c| [c.sigma_m().max() as f32, c.sigma_deg().max() as f32]);
+    Trust { quality: assessment.quality as f32, sigma }
+}
+
 /// A frame whose images could not be used.
 pub(super) fn dropped(answer: &FrameAnswer) -> FrameRecord {
     FrameRecord {
@@ -52,6 +59,7 @@ pub(super) fn dropped(answer: &FrameAnswer) -> FrameRecord {
         state: FrameState::Dropped,
         reason: answer.status.reason().unwrap_or_default(),
         pose: None,
+        trust: None,
         counts: Counts::default(),
         stages: Vec::new(),
     }

@@ -88,9 +88,9 @@ impl Residuals {
 impl Cell {
     fn add(&mut self, error: [f64; 2]) {
         self.n += 1;
-        for axis in 0..2 {
-            self.sum[axis] += error[axis];
-            self.sum_sq[axis] += error[axis] * error[axis];
+        for (axis, value) in error.into_iter().enumerate() {
+            self.sum[axis] += value;
+            self.sum_sq[axis] += value * value;
         }
     }
 
