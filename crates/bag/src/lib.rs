@@ -2,7 +2,7 @@
 //!
 //! [`Bag::open`] goes through a bag once and keeps, of each image, its stamp and where it lies; [`Bag::image`] reads one image at a
 //! time. Memory grows by a few bytes per image and holds one chunk of the file, whatever its size. Damaged bags are read as far as
-//! they go, and [`Bag::remarks`] says how far that is.
+//! they go, and [`Bag::remarks`] says how far that is. [`out`] writes poses and points as MCAP files.
 
 mod bag;
 mod choice;
@@ -11,6 +11,7 @@ mod image;
 mod mcap_file;
 mod messages;
 mod metadata;
+pub mod out;
 mod ros1_file;
 mod sqlite_file;
 mod storage;

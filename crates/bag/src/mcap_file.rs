@@ -41,12 +41,21 @@ pub(crate) struct McapFile {
     channels: BTreeMap<u16, Channel>,
     /// The chunk read last.
     chunk: Option<(u64, Vec<u8>)>,
+    /// Chunks that are whole and damaged, and what is wrong with the first.
+    damaged: (usize, Option<String>),
 }
 
 impl McapFile {
     pub(crate) fn open(path: &Path, is_packed: bool) -> Result<Self, BagError> {
         let pieces = Pieces::open(path)?;
-        Ok(Self { pieces, is_packed, schemas: BTreeMap::new(), channels: BTreeMap::new(), chunk: None })
+        Ok(Self {
+            pieces,
+            is_packed,
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            chunk: None,
+            damaged: (0, None),
+        })
     }
 
     /// Code and body of the record at `at`.
@@ -139,13 +148,33 @@ impl McapFile {
         Ok(())
     }
 
+    /// As [`McapFile::scan_chunk`]; a chunk that is damaged is left out where the next one can be found behind it.
+    fn scan_or_skip(&mut self, at: u64, end: u64, visit: &mut dyn FnMut(Seen<'_>)) -> Result<(), BagError> {
+        match self.scan_chunk(at, visit) {
+            Err(error @ BagError::Broken { .. }) if end < self.pieces.length => {
+                self.damaged.0 += 1;
+                self.damaged.1.get_or_insert_with(|| error.to_string());
+                Ok(())
+            }
+            other => other,
+        }
+    }
+
+    /// What is said at the end of a scan: where it ended early, and which chunks are left out.
+    fn remark(&self, end: Option<String>) -> Option<String> {
+        let (n, Some(first)) = &self.damaged else { return end };
+        let chunks = if *n == 1 { "chunk is" } else { "chunks are" };
+        let damaged = format!("{n} damaged {chunks} left out, the first: {first}");
+        Some(end.map_or(damaged.clone(), |end| format!("{end}; {damaged}")))
+    }
+
     /// Visits what the record at `at` holds; returns where the next one begins, `None` after the last.
     fn step(&mut self, at: u64, visit: &mut dyn FnMut(Seen<'_>)) -> Result<Option<u64>, BagError> {
         let head = self.pieces.read(at, HEAD)?;
         let (code, length) = (head[0], length_of(&head));
         match code {
             op::FOOTER => return Ok(None),
-            op::CHUNK => self.scan_chunk(at, visit)?,
+            op::CHUNK => self.scan_or_skip(at, at.saturating_add(HEAD).saturating_add(length), visit)?,
             op::SCHEMA | op::CHANNEL | op::MESSAGE => {
                 let body = self.pieces.read(at + HEAD, length)?;
                 let done = match code {
@@ -165,16 +194,14 @@ impl Storage for McapFile {
         let mut at = MAGIC.len() as u64;
         loop {
             if at >= self.pieces.length {
-                return Ok(Some(format!(
-                    "{}: ends without a footer: it was cut short",
-                    self.pieces.path.display()
-                )));
+                let end = format!("{}: ends without a footer: it was cut short", self.pieces.path.display());
+                return Ok(self.remark(Some(end)));
             }
             match self.step(at, visit) {
                 Ok(Some(next)) => at = next,
-                Ok(None) => return Ok(None),
+                Ok(None) => return Ok(self.remark(None)),
                 Err(error @ BagError::Unreadable { .. }) => return Err(error),
-                Err(error) => return Ok(Some(format!("{error}; what follows is left out"))),
+                Err(error) => return Ok(self.remark(Some(format!("{error}; what follows is left out")))),
             }
         }
     }
@@ -207,10 +234,17 @@ fn chunk(body: &[u8]) -> Result<Vec<u8>, String> {
         return Err("not a chunk".to_owned());
     };
     let limit = header.uncompressed_size;
-    match header.compression.as_str() {
+    let records = match header.compression.as_str() {
         "" => Ok(data.into_owned()),
         "zstd" => unzstd(&data, limit),
         "lz4" => limited(lz4_flex::frame::FrameDecoder::new(&data[..]), limit),
         other => Err(format!("compression {other}, expected none, zstd or lz4")),
+    }?;
+    // Files without checksums have 0.
+    let found = if header.uncompressed_crc == 0 { 0 } else { crc32fast::hash(&records) };
+    if found == header.uncompressed_crc {
+        Ok(records)
+    } else {
+        Err(format!("a chunk with checksum {found:08x}, expected {:08x}", header.uncompressed_crc))
     }
 }

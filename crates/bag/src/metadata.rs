@@ -11,14 +11,14 @@ use crate::error::BagError;
 use crate::mcap_file::{self, McapFile};
 use crate::ros1_file::{self, Ros1File};
 use crate::sqlite_file::{self, SqliteFile};
-use crate::storage::Storage;
+use crate::storage::{Storage, ZSTD};
 
 /// Endings of the files of a bag.
 const ENDINGS: [&str; 3] = ["db3", "mcap", "bag"];
+/// What describes a folder of rosbag2.
+const METADATA: &str = "metadata.yaml";
 /// Bytes that tell the kind of a file.
 const HEAD: usize = 16;
-/// What a file packed by zstd begins with.
-const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 
 /// What `metadata.yaml` tells that is of use here.
 #[derive(Deserialize, Default)]
@@ -48,7 +48,14 @@ pub(crate) fn is_bag(path: &Path) -> bool {
         return is_named(path) && path.is_file();
     }
     let mut entries = std::fs::read_dir(path).into_iter().flatten().flatten();
-    !files_in(path).is_empty() && !entries.any(|entry| entry.path().is_dir())
+    let has_files = !files_in(path).is_empty() || is_described(path);
+    has_files && !entries.any(|entry| entry.path().is_dir())
+}
+
+/// Whether a folder is one of rosbag2 by its `metadata.yaml`, even if its files are missing.
+fn is_described(folder: &Path) -> bool {
+    let text = std::fs::read_to_string(folder.join(METADATA)).unwrap_or_default();
+    text.contains("rosbag2_bagfile_information")
 }
 
 fn is_named(path: &Path) -> bool {
@@ -90,12 +97,16 @@ pub(crate) fn open(path: &Path) -> Result<Files, BagError> {
             files.remarks.push(format!("{}: missing, although metadata.yaml names it", file.display()));
         }
     }
+    if files.storages.is_empty() {
+        let found = format!("no file that can be read ({})", files.remarks.join("; "));
+        return Err(BagError::NotABag { path: path.to_path_buf(), found });
+    }
     Ok(files)
 }
 
 /// The files that `metadata.yaml` names, and whether messages are packed one by one.
 fn listed(folder: &Path, remarks: &mut Vec<String>) -> (Vec<PathBuf>, bool) {
-    let file = folder.join("metadata.yaml");
+    let file = folder.join(METADATA);
     let Ok(text) = std::fs::read_to_string(&file) else { return (Vec::new(), false) };
     let read: Result<Metadata, _> = serde_saphyr::from_str(&text);
     match read {
@@ -108,7 +119,9 @@ fn listed(folder: &Path, remarks: &mut Vec<String>) -> (Vec<PathBuf>, bool) {
             (files, compression_mode.eq_ignore_ascii_case("message"))
         }
         Err(error) => {
-            remarks.push(format!("{}: {error}; the files are taken by name", file.display()));
+            let reason = error.to_string();
+            let reason = reason.lines().next().unwrap_or_default();
+            remarks.push(format!("{}: {reason}; the files are taken by name", file.display()));
             (Vec::new(), false)
         }
     }

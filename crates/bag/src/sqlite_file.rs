@@ -11,6 +11,10 @@ use crate::wire::Wire;
 /// What the file begins with.
 pub(crate) const MAGIC: &[u8] = b"SQLite format 3\0";
 
+/// All messages with their topics.
+const MESSAGES: &str = "SELECT messages.id, messages.timestamp, topics.name, topics.type, topics.serialization_format, messages.data \
+     FROM messages JOIN topics ON messages.topic_id = topics.id ORDER BY messages.id";
+
 pub(crate) struct SqliteFile {
     path: PathBuf,
     connection: Connection,
@@ -22,6 +26,12 @@ impl SqliteFile {
     pub(crate) fn open(path: &Path, is_packed: bool) -> Result<Self, BagError> {
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection = Connection::open_with_flags(path, flags).map_err(|error| broken(path, 0, &error))?;
+        // A file that was cut short is refused as a whole, unless a broken schema is allowed: then its pages are read up to the cut.
+        if connection.prepare(MESSAGES).is_err() {
+            connection
+                .pragma_update(None, "writable_schema", true)
+                .map_err(|error| broken(path, 0, &error))?;
+        }
         Ok(Self { path: path.to_path_buf(), connection, is_packed })
     }
 }
@@ -32,10 +42,8 @@ fn broken(path: &Path, row: u64, reason: &dyn std::fmt::Display) -> BagError {
 
 impl Storage for SqliteFile {
     fn scan(&mut self, visit: &mut dyn FnMut(Seen<'_>)) -> Result<Option<String>, BagError> {
-        let query = "SELECT messages.id, messages.timestamp, topics.name, topics.type, topics.serialization_format, messages.data \
-                     FROM messages JOIN topics ON messages.topic_id = topics.id ORDER BY messages.id";
         let failed = |row: u64, error: &rusqlite::Error| broken(&self.path, row, error);
-        let mut statement = self.connection.prepare(query).map_err(|error| failed(0, &error))?;
+        let mut statement = self.connection.prepare(MESSAGES).map_err(|error| failed(0, &error))?;
         let mut rows = statement.query([]).map_err(|error| failed(0, &error))?;
         let mut last = 0;
         loop {

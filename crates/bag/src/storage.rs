@@ -102,11 +102,15 @@ pub(crate) fn unzstd(bytes: &[u8], limit: u64) -> Result<Vec<u8>, String> {
     limited(decoder, limit)
 }
 
-/// The data of a message, unpacked if each is packed by itself.
+/// What a block packed by zstd begins with; no message does.
+pub(crate) const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
+
+/// The data of a message, unpacked if each is packed by itself, which a file without its `metadata.yaml` does not tell.
 ///
 /// # Errors
 /// What is wrong with it.
 pub(crate) fn plain(data: &[u8], is_packed: bool) -> Result<Cow<'_, [u8]>, String> {
+    let is_packed = is_packed || data.starts_with(ZSTD);
     if is_packed { unzstd(data, u64::MAX).map(Cow::Owned) } else { Ok(Cow::Borrowed(data)) }
 }
 

@@ -5,5 +5,6 @@
 mod suite {
     mod damaged;
     mod kinds;
+    mod out;
     mod written;
 }

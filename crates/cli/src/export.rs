@@ -13,29 +13,33 @@ use map::MapFileInfo;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::files::folder_of;
+use crate::mcap_export;
 
 /// Arguments of `dsslam export`.
 #[derive(Debug, Args)]
 pub(crate) struct ExportArgs {
-    /// Map file, as `dsslam run --save-map` writes it.
+    /// Map file, as `dsslam run --save-map` writes it; with --to mcap also the results folder of a run, for the poses of all frames.
     #[arg(value_name = "MAP")]
-    map: PathBuf,
+    pub(crate) map: PathBuf,
     /// What to write.
     #[arg(long, value_enum, value_name = "FORMAT")]
     to: Format,
     /// The file to write; for colmap and nerfstudio a folder.
     #[arg(short, long, value_name = "OUT")]
-    out: PathBuf,
+    pub(crate) out: PathBuf,
+    /// The map of the run whose results folder is exported: adds its points.
+    #[arg(long = "map", value_name = "FILE.dsmap")]
+    pub(crate) with_map: Option<PathBuf>,
     /// The sequence that the map was made from: its left images are written beside the model (without the lens's distortion, rectified)
     /// and give the points their colors.
     #[arg(long, value_name = "SEQUENCE")]
-    images: Option<PathBuf>,
+    pub(crate) images: Option<PathBuf>,
     /// What the colors of the points show [default: the images if --images is given, else the number of observations].
     #[arg(long, value_enum)]
     color: Option<ColorArg>,
     /// Which sub-map, numbered from 0 by descending number of keyframes: different sub-maps are in unrelated coordinate frames.
     #[arg(long, value_name = "N", default_value_t = 0)]
-    submap: usize,
+    pub(crate) submap: usize,
 }
 
 /// Formats of an export.
@@ -56,6 +60,8 @@ enum Format {
     Euroc,
     /// Poses at the keyframes as VSLAM-LAB's results have them: nanoseconds, position, quaternion x y z w, with commas.
     Vslamlab,
+    /// Poses, transforms, path and points as ROS 2 messages, for Foxglove and ROS 2.
+    Mcap,
 }
 
 /// What the colors of points show.
@@ -81,6 +87,9 @@ impl Format {
 /// A map or a sequence that cannot be used is a fault of the input, a file that cannot be written one of the output.
 pub(crate) fn run(args: &ExportArgs) -> Result<Exit, Failure> {
     check(args).or_input()?;
+    if args.to == Format::Mcap {
+        return mcap_export::run(args);
+    }
     let (map, info) = read(&args.map).or_input()?;
     let scene = Scene::of(&map, args.submap).with_context(|| args.map.display().to_string()).or_input()?;
     let images = args.images.as_deref().map(|dir| find_images(&scene, &info, dir)).transpose().or_input()?;
@@ -91,6 +100,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Exit, Failure> {
         Format::Nerfstudio => write_nerfstudio(args, &scene, images.as_ref())?,
         Format::Tum | Format::Kitti => write_trajectory(args, &scene, None)?,
         Format::Euroc | Format::Vslamlab => write_trajectory(args, &scene, body(args, &info).or_input()?)?,
+        Format::Mcap => {}
     }
     Ok(Exit::Done)
 }
@@ -100,26 +110,33 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
     let name = args.to.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
     let has_colors = args.images.is_some() || args.color.is_some();
     ensure!(!(args.to.is_trajectory() && has_colors), "--images and --color have no effect with --to {name}");
+    let is_run = args.to == Format::Mcap && args.map.is_dir();
+    ensure!(
+        args.with_map.is_none() || is_run,
+        "--map needs --to mcap and the results folder of a run in the place of MAP"
+    );
+    let hint = "found a folder, expected a map's file; --to mcap takes the results folder of a run, too";
+    ensure!(is_run || !args.map.is_dir(), "{}: {hint}", args.map.display());
     let wants_image = args.color == Some(ColorArg::Image);
     ensure!(args.images.is_some() || !wants_image, "--color image needs --images SEQUENCE");
     Ok(())
 }
 
-fn read(file: &Path) -> anyhow::Result<(map::Map, MapFileInfo)> {
+pub(crate) fn read(file: &Path) -> anyhow::Result<(map::Map, MapFileInfo)> {
     let bytes = std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
     map::file::decode(&bytes).with_context(|| file.display().to_string())
 }
 
 /// The images of the scene; depth images are not needed, and without them no frame is left out.
-fn find_images(scene: &Scene, info: &MapFileInfo, dir: &Path) -> anyhow::Result<SceneImages> {
+pub(crate) fn find_images(scene: &Scene, info: &MapFileInfo, dir: &Path) -> anyhow::Result<SceneImages> {
     let sensor = if info.sensor == Some(Sensor::Stereo) { Sensor::Stereo } else { Sensor::Mono };
     let options = OpenOptions { sensor: Some(sensor), ..OpenOptions::default() };
     let sequence = io::open_sequence_with(dir, &options)?;
     Ok(SceneImages::find(scene, &sequence, dir)?)
 }
 
-fn describe(args: &ExportArgs, info: &MapFileInfo, scene: &Scene) {
-    let map = args.map.display();
+pub(crate) fn describe(args: &ExportArgs, info: &MapFileInfo, scene: &Scene) {
+    let map = args.with_map.as_ref().unwrap_or(&args.map).display();
     console::say(format!("map          {map}: {} of {}", kind(info), info.sequence));
     let submap = if scene.n_submaps > 1 {
         format!(" (sub-map {} of {})", args.submap, scene.n_submaps)
@@ -153,7 +170,7 @@ fn kind(info: &MapFileInfo) -> String {
 }
 
 /// The colors of the points; the images are written into `folder` where there is one.
-fn colors(
+pub(crate) fn colors(
     args: &ExportArgs,
     scene: &Scene,
     images: Option<&SceneImages>,
@@ -182,7 +199,7 @@ fn failure(error: ::export::ExportError) -> Failure {
     Failure { exit, error: anyhow!(error) }
 }
 
-fn written(what: &str, place: &Path) {
+pub(crate) fn written(what: &str, place: &Path) {
     console::say(format!("written      {} ({what})", place.display()));
 }
 

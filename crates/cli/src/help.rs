@@ -144,7 +144,9 @@ Examples:
   dsslam export street.dsmap --to colmap --images kitti/sequences/06 -o colmap
   dsslam export street.dsmap --to tum -o keyframes.txt
   dsslam run MH_01_easy --save-map hall.dsmap
-  dsslam export hall.dsmap --to euroc -o body.csv  # poses of the body, as the ground truth's",
+  dsslam export hall.dsmap --to euroc -o body.csv  # poses of the body, as the ground truth's
+  dsslam run kitti/sequences/06 --out street --save-map street.dsmap
+  dsslam export street --map street.dsmap --to mcap -o street.mcap",
     )
 }
 

@@ -120,8 +120,9 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<Exit, Failure> {
         whole.evaluation.as_ref().and_then(|evaluation| scale_against_truth(evaluation.as_ref().ok()?));
     let off_scale = context.scale_against_truth.filter(|scale| !SCALE.contains(scale));
     context.notices.extend(off_scale.map(warn_of_scale));
-    let Written { summary, failures } =
+    let Written { summary, mut failures } =
         outputs::write(job, context, &finished, &whole, &|| audience.make_room());
+    failures.extend(audience.finish_mcap(outcome).err());
     audience.leave(outcome, &summary, job.folder.path());
     if job.json {
         console::say(serde_json::to_string_pretty(&summary).or_output()?);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, anyhow};
 use dsslam::{Chosen, Session, SessionOptions};
 use runtime::{Journal, Schedule};
 
@@ -12,7 +12,6 @@ use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::figures;
-use crate::files::folder_of;
 use crate::job::{self, Extras, Job};
 use crate::results::ResultsFolder;
 use crate::show;
@@ -106,13 +105,7 @@ fn journal(args: &RunArgs) -> Result<Option<Journal>> {
 /// Where map and journal go, proved to be writable.
 fn extras(args: &RunArgs) -> Result<Extras> {
     for file in [&args.save_map, &args.journal].into_iter().flatten() {
-        ensure!(!file.is_dir(), "{}: cannot be written: it is a folder", file.display());
-        ensure!(
-            file.file_name().is_some(),
-            "{}: cannot be written: the file name is missing",
-            file.display()
-        );
-        io::create_output_folder(folder_of(file))?;
+        show::check_writable(file)?;
     }
     Ok(Extras { save_map: args.save_map.clone(), journal: args.journal.clone() })
 }

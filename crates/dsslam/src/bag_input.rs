@@ -97,17 +97,33 @@ fn frames(bag: &Bag, choice: Choice, tolerance_s: f64) -> (Vec<BagFrame>, String
     let pairs = left.iter().zip(partners).filter_map(|(left, partner)| Some((*left, right[partner?])));
     let frames: Vec<BagFrame> = pairs.map(|(left, second)| BagFrame { left, second: Some(second) }).collect();
     let apart = |frame: &BagFrame| frame.second.map_or(0, |second| frame.left.t_ns.abs_diff(second.t_ns));
+    let distance = match frames.iter().map(apart).max() {
+        Some(largest) => format!("at most {:.3} ms apart", largest as f64 * 1e-6),
+        None => nearest(left, right),
+    };
     let told = format!(
-        "{}: {} of {} images of {} have a partner in {}, at most {:.3} ms apart (within {} ms)",
+        "{}: {} of {} images of {} have a partner in {}, {distance} (within {} ms)",
         bag.path().display(),
         frames.len(),
         left.len(),
         name(choice.left),
         name(second),
-        frames.iter().map(apart).max().unwrap_or(0) as f64 * 1e-6,
         tolerance_s * 1e3
     );
     (frames, told)
+}
+
+/// How far the nearest stamps of two topics without a pair are apart, in words.
+fn nearest(left: &[Stamp], right: &[Stamp]) -> String {
+    let to = |left: &Stamp| {
+        let after = right.partition_point(|stamp| stamp.t_ns < left.t_ns);
+        let around = right[after.saturating_sub(1)..].iter().take(2);
+        around.map(|stamp| stamp.t_ns.abs_diff(left.t_ns)).min()
+    };
+    match left.iter().filter_map(to).min() {
+        Some(least) => format!("the nearest are {:.3} ms apart", least as f64 * 1e-6),
+        None => "which has none".to_owned(),
+    }
 }
 
 /// Size of a topic's images: that of the first one.

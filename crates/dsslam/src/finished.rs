@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use features::Rig;
 use geometry::SE3;
-use io::{Sensor, Trajectory};
+use io::{Clock, Sensor, Trajectory};
 use map::MapFileInfo;
 use runtime::{RunOutcome, Setup};
 
 use crate::intake::Intake;
-use crate::{Error, maps, submaps, trajectories};
+use crate::{Error, maps, mcap, submaps, trajectories};
 
 /// The results of a run.
 #[derive(Clone, Debug)]
@@ -20,10 +21,13 @@ pub struct Finished {
     pub body_from_left: SE3,
     /// What goes into the map's file beside the map.
     info: MapFileInfo,
+    /// The stamps of the frames.
+    clock: Clock,
+    rig: Rig,
 }
 
 impl Finished {
-    pub(crate) fn new(outcome: RunOutcome, intake: &Intake, setup: &Setup) -> Self {
+    pub(crate) fn new(outcome: RunOutcome, intake: &Intake, setup: &Setup, clock: Clock) -> Self {
         let sequence = &intake.sequence;
         let vocabulary = setup.vocabulary.as_ref();
         let info = MapFileInfo {
@@ -34,7 +38,8 @@ impl Finished {
             vocabulary_sha256: vocabulary.map_or(String::new(), |words| maps::sha256(words.as_bytes())),
             body_from_left: trajectories::body_text(sequence.sensor, &sequence.body_from_left),
         };
-        Self { outcome, body_from_left: sequence.body_from_left, info }
+        let rig = (*setup.rig).clone();
+        Self { outcome, body_from_left: sequence.body_from_left, info, clock, rig }
     }
 
     /// Poses `world_from_cam` of the left camera at the frames that were tracked, after all corrections of the map; meters, of
@@ -58,6 +63,26 @@ impl Finished {
             Some(records) => trajectories::tracked_poses(&records),
             None => self.trajectory(),
         }
+    }
+
+    /// Writes final poses and points as an MCAP file for ROS 2 and Foxglove, see [`mcap`]. Where the run has several sub-maps, those
+    /// of the largest. Points are green where they stand still, red where they move or look like others.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn save_mcap(&self, file: impl AsRef<Path>) -> Result<(), Error> {
+        let outcome = &self.outcome;
+        let (root, frames) =
+            mcap::final_frames(&outcome.frames, &self.clock).into_iter().next().unwrap_or_default();
+        let is_inside = |point: &&map::MapPoint| outcome.map.submap_of(point.reference) == root;
+        let point = |point: &map::MapPoint| {
+            let green = (point.trust() * 255.0).round() as u8;
+            mcap::cloud_point(&outcome.map, point, [255 - green, green, 0])
+        };
+        let points = outcome.map.points().filter(is_inside).map(point).collect();
+        let camera = self.info.sensor.map(|sensor| (sensor, self.rig.clone()));
+        let results = mcap::McapResults { frames, has_motion: true, points, camera };
+        Ok(mcap::write_results(file.as_ref(), &results)?)
     }
 
     /// Writes the map whole or not at all; returns the SHA-256 of its file, hexadecimal.

@@ -50,6 +50,7 @@ mod finished;
 mod input;
 mod intake;
 mod maps;
+pub mod mcap;
 mod network;
 mod options;
 mod programs;

@@ -120,6 +120,6 @@ impl Session {
     }
 
     fn finished(&self, outcome: Result<RunOutcome, RunError>) -> Result<Finished, Error> {
-        Ok(Finished::new(outcome?, self.input.intake(), &self.setup))
+        Ok(Finished::new(outcome?, self.input.intake(), &self.setup, self.input.clock().clone()))
     }
 }

@@ -144,6 +144,10 @@ impl Finished {
         py.detach(|| self.save_file(&file)).map_err(raised)
     }
 
+    fn save_mcap(&self, py: Python<'_>, file: PathBuf) -> PyResult<()> {
+        py.detach(|| self.done.save_mcap(&file)).map_err(raised)
+    }
+
     #[pyo3(signature = (file, format="tum", *, body=false))]
     fn save_trajectory(&self, file: PathBuf, format: &str, body: bool) -> PyResult<()> {
         let frames = &self.done.outcome.frames;

@@ -60,6 +60,11 @@ impl Result {
     }
 
     #[getter]
+    fn motion<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        self.answer.last_from_cam.as_ref().map(|pose| poses::matrix(py, pose)).transpose()
+    }
+
+    #[getter]
     fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         self.answer
             .assessment

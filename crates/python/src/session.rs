@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use dsslam::mcap::McapRecorder;
 use dsslam::runtime::{Narrator, Weight, Words};
 use dsslam::{Compared, Config, Event, Observer, Session, SessionOptions};
 use pyo3::prelude::*;
@@ -75,9 +76,30 @@ impl Observer for Telling<'_> {
     }
 }
 
+/// All who watch a run.
+struct Watching<'a> {
+    telling: Option<Telling<'a>>,
+    recorder: Option<McapRecorder>,
+}
+
+impl Observer for Watching<'_> {
+    fn event(&mut self, event: &Event) {
+        if let Some(telling) = &mut self.telling {
+            telling.event(event);
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.event(event);
+        }
+    }
+
+    fn wants_details(&self) -> bool {
+        self.recorder.is_some()
+    }
+}
+
 /// Runs over all frames; `dsslam.run` wraps it so that Ctrl-C ends it with its results.
 #[pyfunction]
-#[pyo3(signature = (path, config, stop, *, settings, sensor, calibration, ground_truth, topics, max_frames, map, localize, vocabulary, network, schedule, observer))]
+#[pyo3(signature = (path, config, stop, *, settings, sensor, calibration, ground_truth, topics, max_frames, map, localize, vocabulary, network, schedule, observer, mcap))]
 #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
 pub(crate) fn run(
     py: Python<'_>,
@@ -96,6 +118,7 @@ pub(crate) fn run(
     network: Option<PathBuf>,
     schedule: Option<&str>,
     observer: Option<Py<PyAny>>,
+    mcap: Option<PathBuf>,
 ) -> PyResult<Finished> {
     let config = chosen(&path, config.as_deref(), settings)?;
     let mut options = SessionOptions::default();
@@ -109,18 +132,22 @@ pub(crate) fn run(
     let stop = Arc::clone(&stop.get().0);
     py.detach(|| {
         let session = Session::open_with(&path, &config, &options).map_err(raised)?;
-        let done = match &observer {
-            None => session.run_until(&mut dsslam::Silent, &stop).map_err(raised)?,
-            Some(observer) => {
-                let narrator = Narrator::default();
-                let mut telling = Telling { observer, narrator, stop: &stop, raised: None };
-                let done = session.run_until(&mut telling, &stop);
-                if let Some(error) = telling.raised {
-                    return Err(error);
-                }
-                done.map_err(raised)?
-            }
+        let recorder = mcap.as_deref().map(|file| McapRecorder::create(file, &session));
+        let mut watching = Watching {
+            telling: observer.as_ref().map(|observer| Telling {
+                observer,
+                narrator: Narrator::default(),
+                stop: &stop,
+                raised: None,
+            }),
+            recorder: recorder.transpose().map_err(raised)?,
         };
+        let done = session.run_until(&mut watching, &stop);
+        if let Some(error) = watching.telling.and_then(|telling| telling.raised) {
+            return Err(error);
+        }
+        let done = done.map_err(raised)?;
+        watching.recorder.map_or(Ok(()), |recorder| recorder.finish(&done.outcome)).map_err(raised)?;
         let sequence = session.input().sequence();
         let evaluation = Compared::new(&done.outcome.frames, sequence)
             .and_then(|compared| compared.evaluate(&eval::KITTI_LENGTHS_M).ok())

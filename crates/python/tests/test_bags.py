@@ -190,6 +190,21 @@ def test_real_rgbd(tmp_path):
     assert trajectory(done, tmp_path) == trajectory(expected, tmp_path)
 
 
+def test_real_raw_stereo_with_the_calibration_of_its_folder(tmp_path):
+    folder = real("euroc_MH01_200")
+    path, n = tmp_path / "MH_01_easy.bag", 60
+    with Bag(path, "ros1") as bag:
+        for camera in range(2):
+            for file in sorted((folder / f"mav0/cam{camera}/data").glob("*.png"))[:n]:
+                bag.image(f"/cam{camera}/image_raw", int(file.stem), png(file), "mono8")
+    expected = trajectory(dsslam.run(folder, "euroc", max_frames=n), tmp_path)
+    done = dsslam.run(path, "euroc", calibration=folder)
+    assert trajectory(done, tmp_path) == expected and done.n_frames == n
+    # The stamps are those of the images, to the nanosecond.
+    first = sorted((folder / "mav0/cam0/data").glob("*.png"))[0].stem
+    assert done.n_tracked > n // 2 and first[:10].encode() in expected
+
+
 def test_a_bag_cut_short_is_read_as_far_as_it_goes(small, tmp_path):
     folder, _ = small
     path = tmp_path / "drive"

@@ -24,6 +24,9 @@ pub struct FrameAnswer {
     pub status: FrameStatus,
     /// Pose in the map that it saw, or that it starts; `None` for a frame without a pose of its own.
     pub world_from_cam: Option<SE3>,
+    /// Pose in the camera of the last frame that had one, as both stand in the map that this frame saw: put together, these motions make
+    /// an odometry that no correction of the map lets jump. `None` where the two have no map in common.
+    pub last_from_cam: Option<SE3>,
     /// The sub-map of that pose, named by the root of its keyframes; `None` without a pose, and for the frame that starts it.
     pub submap: Option<KeyframeId>,
     /// How far the pose is to be trusted, with its covariance.
@@ -165,6 +168,8 @@ pub struct FrameDetails {
     pub info: FrameInfo,
     /// Its outcome.
     pub status: FrameStatus,
+    /// The world that tracking saw.
+    pub world: Arc<World>,
     /// Its features.
     pub frame: Arc<Frame>,
     /// What they were found in.
@@ -209,6 +214,7 @@ impl FrameDetails {
         FrameDetails {
             info,
             status,
+            world: view.world.clone(),
             frame,
             images,
             pose,

@@ -51,6 +51,7 @@ mod stages {
     pub(crate) mod extract;
     pub(crate) mod fetch;
     pub(crate) mod map;
+    pub(crate) mod motion;
     pub(crate) mod track;
 }
 mod stream;

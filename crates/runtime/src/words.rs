@@ -210,6 +210,7 @@ mod tests {
             timestamp_s: 0.0,
             status,
             world_from_cam: None,
+            last_from_cam: None,
             submap: None,
             assessment: Assessment::default(),
             keyframe: None,

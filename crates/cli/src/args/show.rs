@@ -11,6 +11,9 @@ pub(crate) struct ShowArgs {
     /// Writes events.dslog into the results folder, for `dsslam view`.
     #[arg(long)]
     pub(crate) events: bool,
+    /// Writes poses, transforms, path and map points as an MCAP file while the run goes on, for Foxglove and ROS 2.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mcap: Option<PathBuf>,
     /// Opens the Rerun viewer and shows the run live.
     #[arg(long)]
     pub(crate) rerun: bool,

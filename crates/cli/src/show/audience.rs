@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
+use dsslam::mcap::McapRecorder;
 use events::FILE_NAME;
 use runtime::{Event, EventStream, Observer, RunOutcome, StreamOptions, StreamReport};
 
@@ -24,6 +25,8 @@ pub(crate) struct Audience {
     file: Option<EventStream>,
     /// What that file takes of the disk.
     room: Option<Room>,
+    /// The MCAP file.
+    mcap: Option<McapRecorder>,
     /// To the viewer.
     viewer: Option<(EventStream, ViewerProcess)>,
 }
@@ -36,7 +39,8 @@ impl Audience {
     pub(crate) fn gather(job: &Job) -> Result<Self, Failure> {
         let (show, path) = (&job.show, job.folder.file(FILE_NAME));
         let options = StreamOptions { image_every: show.rerun_every, ..StreamOptions::default() };
-        let mut audience = Audience { progress: Progress::new(), file: None, room: None, viewer: None };
+        let mut audience =
+            Audience { progress: Progress::new(), file: None, room: None, mcap: None, viewer: None };
         if show.events {
             let target = YieldingFile::create(&path)
                 .with_context(|| format!("{}: cannot be written", path.display()))
@@ -48,6 +52,8 @@ impl Audience {
             // A file from an older run in the same folder would belong to that run.
             let _ = std::fs::remove_file(&path);
         }
+        let mcap = show.mcap.as_deref().map(|file| McapRecorder::create(file, &job.session));
+        audience.mcap = mcap.transpose().or_output()?;
         if let (Some(program), Some(manner)) = (&job.viewer, Manner::of_run(show)) {
             let (process, pipe) = ViewerProcess::start(program, None, &manner).or_input()?;
             // A pipe is as bounded as its reader makes it.
@@ -65,6 +71,14 @@ impl Audience {
         if let Some(room) = &self.room {
             room.give();
         }
+    }
+
+    /// Ends the MCAP file, if there is one.
+    ///
+    /// # Errors
+    /// What could not be written, now or during the run.
+    pub(crate) fn finish_mcap(&mut self, outcome: &RunOutcome) -> anyhow::Result<()> {
+        Ok(self.mcap.take().map_or(Ok(()), |recorder| recorder.finish(outcome))?)
     }
 
     /// The end: writes what is left to write and says what went wrong with it.
@@ -104,12 +118,15 @@ impl Observer for Audience {
         if let Some(stream) = &mut self.file {
             stream.event(event);
         }
+        if let Some(recorder) = &mut self.mcap {
+            recorder.event(event);
+        }
         if let Some((stream, _)) = &mut self.viewer {
             stream.event(event);
         }
     }
 
     fn wants_details(&self) -> bool {
-        self.file.is_some() || self.viewer.is_some()
+        self.file.is_some() || self.mcap.is_some() || self.viewer.is_some()
     }
 }

@@ -7,12 +7,13 @@ mod start;
 mod view;
 mod yielding;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, ensure};
 
 use crate::args::ShowArgs;
 use crate::exit::{Failure, OrExit};
+use crate::files::folder_of;
 
 pub(crate) use audience::Audience;
 pub(crate) use process::{ViewerProcess, find};
@@ -51,22 +52,26 @@ impl Manner {
     /// A file that cannot be written.
     pub(crate) fn check(&self) -> Result<()> {
         let Manner::Save(file) = self else { return Ok(()) };
-        ensure!(!file.is_dir(), "{}: cannot be written: it is a folder", file.display());
-        ensure!(
-            file.file_name().is_some(),
-            "{}: cannot be written: the file name is missing",
-            file.display()
-        );
-        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-        Ok(io::create_output_folder(folder.unwrap_or(std::path::Path::new(".")))?)
+        check_writable(file)
     }
 }
 
-/// The viewer's program, if the arguments ask for one; looked for before the work starts.
+/// A file that is going to be written is proved to be writable.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(crate) fn check_writable(file: &Path) -> Result<()> {
+    ensure!(!file.is_dir(), "{}: cannot be written: it is a folder", file.display());
+    ensure!(file.file_name().is_some(), "{}: cannot be written: the file name is missing", file.display());
+    Ok(io::create_output_folder(folder_of(file))?)
+}
+
+/// The viewer's program, if the arguments ask for one; looked for before the work starts, and the files are proved to be writable.
 ///
 /// # Errors
 /// A missing viewer, or a file that cannot be written.
 pub(crate) fn viewer(args: &ShowArgs) -> Result<Option<PathBuf>, Failure> {
+    args.mcap.as_deref().map(check_writable).transpose().or_output()?;
     let Some(manner) = Manner::of_run(args) else { return Ok(None) };
     manner.check().or_output()?;
     program().map(Some)

@@ -89,12 +89,14 @@ def run(
     network=None,
     schedule=None,
     observer=None,
+    mcap=None,
 ):
     """Run over a folder of images, a bag, a video or a camera, and return its results (`Finished`).
 
     Without ``config`` the built-in configuration that goes with the layout of the folder is taken. ``observer(kind, what)`` is called
     with ``("frame", Result)`` for each frame, and with an event and its text for what else happens; what it raises ends the run.
-    Ctrl-C ends the run; the results so far are returned with ``interrupted`` set.
+    Ctrl-C ends the run; the results so far are returned with ``interrupted`` set. ``mcap`` names a file that poses, transforms, path and
+    points are written into while the run goes on, for Foxglove and ROS 2.
 
     >>> import dsslam
     >>> dsslam.run("no such folder")
@@ -123,6 +125,7 @@ def run(
                 network=network,
                 schedule=schedule,
                 observer=observer,
+                mcap=mcap,
             )
         except BaseException as error:  # handed to the caller's thread
             outcome["error"] = error

@@ -84,6 +84,8 @@ class Result:
     """The camera's center in the world, meters."""
     quaternion: NDArray[np.float64] | None
     """Rotation ``world_from_cam`` as x, y, z, w."""
+    motion: NDArray[np.float64] | None
+    """Pose in the camera of the last frame that had one, 4x4: an odometry without the jumps of corrections."""
     covariance: NDArray[np.float64] | None
     """How far the pose may be off, seen from the camera 10 frames before (fewer after a start): 6x6, along and about the axes of the
     camera, translation first; m2, m rad, rad2. None without a pose, and for a frame that starts a map."""
@@ -167,6 +169,8 @@ class Finished:
         """Times (seconds) and poses ``world_from_cam`` (N, 4, 4) of the tracked frames; with ``body`` those of the body."""
     def save(self, file: _Path) -> str:
         """Write the map; return the SHA-256 of its file."""
+    def save_mcap(self, file: _Path) -> None:
+        """Write final poses and points as ROS 2 messages, for Foxglove and ROS 2."""
     def save_trajectory(
         self, file: _Path, format: Literal["tum", "kitti", "euroc"] = "tum", *, body: bool = False
     ) -> None: ...
@@ -251,6 +255,7 @@ def run(
     network: _Path | None = None,
     schedule: _Schedule | None = None,
     observer: Callable[[str, Result | str], object] | None = None,
+    mcap: _Path | None = None,
 ) -> Finished: ...
 def evaluate(
     est: Finished | _Path | tuple[NDArray[np.float64], NDArray[np.float64]],

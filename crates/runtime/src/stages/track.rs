@@ -17,6 +17,7 @@ use crate::record::{FrameStatus, Unusable};
 use crate::run::{Job, Plan};
 use crate::snapshot::{Snapshots, View};
 use crate::stages::fetch::{Extracted, Passing};
+use crate::stages::motion::Motion;
 use crate::timings::{FrameTimings, Stopwatch};
 
 /// What tracking of a frame tells mapping.
@@ -51,13 +52,15 @@ pub(crate) struct TrackLog {
 /// The stage.
 pub(crate) struct TrackStage {
     tracker: Tracker,
+    motion: Motion,
     /// Whether an observer wants details.
     details: bool,
 }
 
 impl TrackStage {
     pub(crate) fn new(plan: &Plan) -> Self {
-        TrackStage { tracker: Tracker::new(plan.setup.slam.clone()), details: plan.details }
+        let tracker = Tracker::new(plan.setup.slam.clone());
+        TrackStage { tracker, motion: Motion::default(), details: plan.details }
     }
 
     /// Tracks a frame in what `view` gives; frames without usable images are recorded without asking for it.
@@ -84,7 +87,11 @@ impl TrackStage {
         let mut tracked =
             watch.time("track", |watch| self.tracker.track(&frame, &view.world, view.idle, watch));
         watch.add_to_last(extract_ms);
-        let answer = answer(&frame, &tracked, &view, watch.last("track"));
+        let mut answer = answer(&frame, &tracked, &view, watch.last("track"));
+        if let Some(world_from_cam) = &answer.world_from_cam {
+            let last = (frame.index, tracked.pose, answer.keyframe.is_some());
+            answer.last_from_cam = self.motion.to(&view.world.map, last, &world_from_cam.inverse());
+        }
         emit(Event::Frame(Box::new(answer.clone())));
         note_relocalization(&tracked, &info, &view, log, emit);
         let map = &view.world.map;
@@ -123,6 +130,7 @@ impl TrackLog {
             timestamp_s: info.timestamp_s,
             status: status.clone(),
             world_from_cam: None,
+            last_from_cam: None,
             submap: None,
             assessment: Assessment::default(),
             keyframe: None,
@@ -173,6 +181,7 @@ fn answer(frame: &Frame, tracked: &Tracked, view: &View, track_ms: f64) -> Frame
         timestamp_s: frame.timestamp_s,
         status,
         world_from_cam: cam_from_world.map(|cam_from_world| cam_from_world.normalized().inverse()),
+        last_from_cam: None,
         submap: pose.and_then(|pose| map.submap_of(pose.keyframe)),
         assessment: tracked.assessment.clone(),
         keyframe: tracked.keyframe.as_ref().map(|request| request.reason),

@@ -5,6 +5,7 @@
 mod boofcv;
 mod colmap;
 mod euroc;
+mod folder;
 mod kalibr;
 pub(super) mod kitti;
 mod lens;
@@ -99,11 +100,14 @@ pub(super) fn find(folder: &Path) -> Option<PathBuf> {
     NAMES.iter().map(|name| folder.join(name)).find(|path| path.is_file())
 }
 
-/// Reads a calibration file; its content tells the format.
+/// Reads a calibration file; its content tells the format. Of a folder, its cameras' files in EuRoC's layout are read.
 ///
 /// # Errors
 /// [`DatasetError`] naming the field, what was found and what was expected; for an unknown format all that are read.
 pub fn read_calibration(path: &Path) -> Result<CameraFile, DatasetError> {
+    if path.is_dir() {
+        return folder::read(path);
+    }
     let unknown = |found: String| DatasetError::UnknownCalibration {
         path: path.to_path_buf(),
         found,
