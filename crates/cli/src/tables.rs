@@ -4,7 +4,7 @@ use runtime::{FrameRecord, LoopRecord, LoopResult, Timings};
 
 /// `frames.csv`: a row per frame. Frames with equal `submap` have poses in one coordinate frame; it is the keyframe that
 /// the sub-map grew from.
-pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
+pub(crate) fn frames_csv(records: &[FrameRecord], clock: &io::Clock) -> String {
     let mut text = String::from("frame,timestamp_s,state,submap,inliers,reason\n");
     for record in records {
         let inliers = record.status.inliers().map_or(String::new(), |inliers| inliers.to_string());
@@ -13,7 +13,7 @@ pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
         text.push_str(&format!(
             "{},{},{},{submap},{inliers},{}\n",
             record.index,
-            record.timestamp_s,
+            clock.stamp(record.timestamp_s),
             record.status.state().key(),
             quoted(&reason)
         ));
@@ -90,11 +90,10 @@ pub(crate) mod tests {
         );
         let root = KeyframeId(7).to_string();
         assert_eq!(
-            frames_csv(&records),
+            frames_csv(&records, &io::Clock::default()),
             format!(
-                "frame,timestamp_s,state,submap,inliers,reason\n3,{},tracked,{root},100,\n\
-                 4,0.4,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\"\n",
-                records[0].timestamp_s
+                "frame,timestamp_s,state,submap,inliers,reason\n3,0.300000000,tracked,{root},100,\n\
+                 4,0.400000000,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\"\n"
             )
         );
     }

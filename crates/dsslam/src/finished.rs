@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use geometry::SE3;
-use io::{Sensor, Trajectory};
+use io::{Clock, Sensor, Trajectory};
 use map::MapFileInfo;
 use runtime::{RunOutcome, Setup};
 
@@ -18,12 +18,14 @@ pub struct Finished {
     pub outcome: RunOutcome,
     /// Pose of the left camera in the body; the identity where the camera is the body.
     pub body_from_left: SE3,
+    /// The stamps of the frames and of the start map, exactly as they were read.
+    pub clock: Clock,
     /// What goes into the map's file beside the map.
     info: MapFileInfo,
 }
 
 impl Finished {
-    pub(crate) fn new(outcome: RunOutcome, intake: &Intake, setup: &Setup) -> Self {
+    pub(crate) fn new(outcome: RunOutcome, intake: &Intake, setup: &Setup, clock: Clock) -> Self {
         let sequence = &intake.sequence;
         let vocabulary = setup.vocabulary.as_ref();
         let info = MapFileInfo {
@@ -33,8 +35,9 @@ impl Finished {
             configuration: intake.config.to_yaml(),
             vocabulary_sha256: vocabulary.map_or(String::new(), |words| maps::sha256(words.as_bytes())),
             body_from_left: trajectories::body_text(sequence.sensor, &sequence.body_from_left),
+            stamps_ns: clock.beyond_doubles(outcome.map.keyframes().map(|keyframe| keyframe.frame.timestamp_s)),
         };
-        Self { outcome, body_from_left: sequence.body_from_left, info }
+        Self { outcome, body_from_left: sequence.body_from_left, clock, info }
     }
 
     /// Poses `world_from_cam` of the left camera at the frames that were tracked, after all corrections of the map; meters, of

@@ -28,6 +28,11 @@ pub fn vocabulary(file: Option<&Path>) -> Result<Arc<Vocabulary>, Error> {
 /// # Errors
 /// A file that is not a map, or the map of another sensor.
 pub fn load_map(file: &Path, sensor: Sensor) -> Result<Map, Error> {
+    open_map(file, sensor).map(|(map, _)| map)
+}
+
+/// As [`load_map`], with what else is in the file.
+pub(crate) fn open_map(file: &Path, sensor: Sensor) -> Result<(Map, MapFileInfo), Error> {
     let bytes = fs::read(file).map_err(|reason| Error::unreadable(file, &reason))?;
     let (map, info) =
         map::file::decode(&bytes).map_err(|problem| Error::Map { path: file.to_path_buf(), problem })?;
@@ -35,7 +40,7 @@ pub fn load_map(file: &Path, sensor: Sensor) -> Result<Map, Error> {
         let found = info.sensor.map_or("unknown", Sensor::word).to_owned();
         return Err(Error::MapSensor { path: file.to_path_buf(), found, expected: sensor });
     }
-    Ok(map)
+    Ok((map, info))
 }
 
 /// Writes a map whole or not at all; returns the SHA-256 of its file, hexadecimal.

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use io::{LoadedFrame, Sensor};
+use io::{Clock, LoadedFrame, Sensor};
 use runtime::{FrameAnswer, FrameInfo, FrameMask, RunEnded, Schedule, Sequential, Setup, Silent, Threaded};
 
 use crate::error::FrameProblem;
@@ -24,9 +24,10 @@ pub struct Slam {
     intake: Intake,
     setup: Setup,
     engine: Engine,
-    n_frames: u32,
-    /// Time of the last frame, nanoseconds.
-    last_ns: Option<i64>,
+    /// Stamps of the start map, nanoseconds.
+    map_stamps: Vec<i64>,
+    /// Stamps of the frames, nanoseconds.
+    stamps: Vec<i64>,
 }
 
 /// What the frames go through.
@@ -41,7 +42,7 @@ impl fmt::Debug for Slam {
         f.debug_struct("Slam")
             .field("sensor", &sensor)
             .field("schedule", &schedule)
-            .field("n_frames", &self.n_frames)
+            .field("n_frames", &self.stamps.len())
             .finish_non_exhaustive()
     }
 }
@@ -72,9 +73,9 @@ impl Slam {
         let (sequence, size) = camera.into_parts();
         let name = sequence.name.clone();
         let intake = Intake::new(name.as_ref(), sequence, Some(size), config)?;
-        let setup = options.setup(&intake, Schedule::default())?;
+        let (setup, map_stamps) = options.setup(&intake, Schedule::default())?;
         let engine = Engine::start(&setup)?;
-        Ok(Self { intake, setup, engine, n_frames: 0, last_ns: None })
+        Ok(Self { intake, setup, engine, map_stamps, stamps: Vec::new() })
     }
 
     /// Takes the images of the next frame, which was seen `t_ns` nanoseconds after any fixed moment, and returns what tracking makes of
@@ -88,7 +89,7 @@ impl Slam {
     /// and the next one may come. [`Error::Stage`] when a stage has failed, which is a bug; [`Slam::finish`] gives what there was.
     pub fn track<'a>(&mut self, t_ns: i64, images: impl Into<Images<'a>>) -> Result<FrameAnswer, Error> {
         let refused = |problem| Error::Frame { t_ns, problem };
-        if let Some(last_ns) = self.last_ns.filter(|last| *last >= t_ns) {
+        if let Some(&last_ns) = self.stamps.last().filter(|last| **last >= t_ns) {
             return Err(refused(FrameProblem::Time { last_ns }));
         }
         let images = images.into();
@@ -96,9 +97,9 @@ impl Slam {
         let mask = self.mask(&images).map_err(refused)?;
         let name = self.intake.path.as_path();
         let frame = self.intake.preparation.apply(frame, name);
-        self.last_ns = Some(t_ns);
-        let info = FrameInfo { index: self.n_frames, timestamp_s: io::seconds(t_ns) };
-        self.n_frames += 1;
+        let index = u32::try_from(self.stamps.len()).unwrap_or(u32::MAX);
+        let info = FrameInfo { index, timestamp_s: io::seconds(t_ns) };
+        self.stamps.push(t_ns);
         match &mut self.engine {
             Engine::Here(line) => Ok(line.step_masked(info, frame, mask, &mut Silent)?),
             Engine::Threads(threads) => {
@@ -116,7 +117,8 @@ impl Slam {
             Engine::Here(line) => line.finish(&mut Silent),
             Engine::Threads(threads) => threads.finish()?.0,
         };
-        Ok(Finished::new(outcome, &self.intake, &self.setup))
+        let clock = Clock::of_stamps(self.stamps.iter().chain(&self.map_stamps).copied());
+        Ok(Finished::new(outcome, &self.intake, &self.setup, clock))
     }
 
     /// Forgets everything that was seen and starts again, with the start map if there is one. What follows has the bits of a new
@@ -126,7 +128,7 @@ impl Slam {
     /// A thread that cannot be started; nothing has changed then.
     pub fn reset(&mut self) -> Result<(), Error> {
         self.engine = Engine::start(&self.setup)?;
-        (self.n_frames, self.last_ns) = (0, None);
+        self.stamps.clear();
         Ok(())
     }
 

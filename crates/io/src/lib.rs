@@ -27,7 +27,7 @@ pub use images::{
     load_gray, load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
 };
 pub use trajectory::{
-    Clock, StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory, write_euroc,
-    write_kitti, write_tum, write_tum_at, write_vslamlab,
+    Clock, Stamp, StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory,
+    write_euroc, write_euroc_at, write_kitti, write_tum, write_tum_at, write_vslamlab,
 };
 pub use video::{VideoError, VideoFrame, VideoHeader, VideoReader};

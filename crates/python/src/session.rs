@@ -47,6 +47,7 @@ pub(crate) fn chosen(
 struct Telling<'a> {
     observer: &'a Py<PyAny>,
     narrator: Narrator,
+    clock: &'a io::Clock,
     stop: &'a AtomicBool,
     raised: Option<PyErr>,
 }
@@ -63,7 +64,7 @@ impl Observer for Telling<'_> {
                 self.observer.call1(py, (event, text))?;
             }
             if let Event::Frame(answer) = event {
-                let t_ns = (answer.timestamp_s * 1e9).round() as i64;
+                let t_ns = self.clock.nanoseconds(answer.timestamp_s);
                 self.observer.call1(py, ("frame", frame::Result::new(answer.as_ref().clone(), t_ns)))?;
             }
             PyResult::Ok(())
@@ -113,7 +114,8 @@ pub(crate) fn run(
             None => session.run_until(&mut dsslam::Silent, &stop).map_err(raised)?,
             Some(observer) => {
                 let narrator = Narrator::default();
-                let mut telling = Telling { observer, narrator, stop: &stop, raised: None };
+                let clock = session.input().clock();
+                let mut telling = Telling { observer, narrator, clock, stop: &stop, raised: None };
                 let done = session.run_until(&mut telling, &stop);
                 if let Some(error) = telling.raised {
                     return Err(error);

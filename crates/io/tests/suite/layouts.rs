@@ -188,6 +188,31 @@ fn tartan_air_with_poses_of_a_body_that_looks_along_x() {
     assert_eq!((truth.poses[2].timestamp_s, truth.poses[2].world_from_cam.translation.x), (0.2, 2.0));
 }
 
+/// TartanAir's depth: NumPy files of meters beside the images.
+#[test]
+fn tartan_air_with_depth_in_numpy_files() {
+    let folder = Folder::new();
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (480, 640), }\n";
+    let length = (header.len() as u16).to_le_bytes();
+    let values = 2.5_f32.to_le_bytes().repeat(640 * 480);
+    let numpy = [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values].concat();
+    for i in 0..2 {
+        folder.gray(&format!("image_left/{i:06}_left.png"), 640, 480);
+        folder.write(&format!("depth_left/{i:06}_left_depth.npy"), &numpy);
+    }
+    let sequence = open(&folder);
+    assert_eq!((sequence.sensor, sequence.frames.len()), (Sensor::Rgbd, 2));
+    assert_eq!(sequence.depth_units_per_metre, Some(2000.0), "meters as half millimeters");
+    let depth = dsslam_io::load_depth(sequence.frames[1].depth.as_ref().unwrap()).unwrap();
+    assert_eq!(depth.at(639, 479), 5000);
+    // Beside two cameras depth is taken where it is asked for.
+    for i in 0..2 {
+        folder.gray(&format!("image_right/{i:06}_right.png"), 640, 480);
+    }
+    assert_eq!(open(&folder).sensor, Sensor::Stereo);
+    assert_eq!(open_sequence(folder.path(), Some(Sensor::Rgbd)).unwrap().sensor, Sensor::Rgbd);
+}
+
 #[test]
 fn seven_scenes_with_a_pose_beside_each_image() {
     let folder = Folder::new();
