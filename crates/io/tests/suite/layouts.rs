@@ -115,6 +115,11 @@ fn kitti_360_with_its_poses() {
     let truth = sequence.ground_truth.unwrap();
     assert_eq!(truth.poses[0].timestamp_s, sequence.frames[1].timestamp_s());
     assert_eq!(truth.poses[0].world_from_cam.translation.x, 7.0);
+    // Without its lists the frames come at the rate of the configuration, and the run doubts that.
+    folder.remove(&format!("{drive}/image_00/timestamps.txt"));
+    let sequence = open_sequence(&folder.file(drive), None).unwrap();
+    assert_eq!((sequence.times, sequence.frames[2].timestamp_ns), (Times::Invented, 200_000_000));
+    assert_eq!((sequence.frames[0].index, sequence.frames.len()), (3, 3));
 }
 
 #[test]

@@ -92,6 +92,14 @@ fn lists_as_people_write_them() {
             sequence.warnings.iter().any(|warning| warning.contains("the images are not where it says"));
         assert_eq!(told, is_told, "{list}: {:?}", sequence.warnings);
     }
+    // Names alone, where they are times.
+    for name in ["a", "b"] {
+        let time = if name == "a" { "1305031452.791720" } else { "1305031452.823674" };
+        std::fs::copy(folder.file(&format!("rgb/{name}.png")), folder.file(&format!("rgb/{time}.png"))).unwrap();
+    }
+    folder.write("rgb.txt", "rgb/1305031452.791720.png\nrgb/1305031452.823674.png\n");
+    let sequence = open_sequence(folder.path(), Some(Sensor::Mono)).unwrap();
+    assert_eq!(sequence.frames[1].timestamp_ns, 1_305_031_452_823_674_000);
     std::fs::rename(folder.file("rgb"), folder.file("my rgb")).unwrap();
     folder.write("rgb.txt", rows("my rgb", " "));
     assert_eq!(open(&folder).frames[0].left, folder.file("my rgb/a.png"));

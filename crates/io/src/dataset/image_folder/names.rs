@@ -22,12 +22,12 @@ pub(in super::super) fn list(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     list_ending(folder, &IMAGE_ENDINGS)
 }
 
-/// As [`list`], of depth images, which may be NumPy files.
+/// As [`list`], of depth images, which may be NumPy files; OpenEXR is listed so that it can be refused by its name.
 ///
 /// # Errors
 /// [`FileError::Unreadable`].
 pub(super) fn list_depth(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
-    list_ending(folder, &[&IMAGE_ENDINGS[..], &["npy"]].concat())
+    list_ending(folder, &[&IMAGE_ENDINGS[..], &["npy", "exr"]].concat())
 }
 
 fn list_ending(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, FileError> {
