@@ -69,7 +69,7 @@ pub use ::{bag, geometry, io, map, runtime, synth};
 pub use camera::Camera;
 pub use config::{CameraError, Chosen, Config, SCHEMA, presets};
 pub use error::{Error, FrameProblem};
-pub use evaluation::{Compared, scale_against_truth};
+pub use evaluation::{Compared, Scale, scale_against_truth};
 pub use figures::{Doubt, Figure, Figures};
 pub use finished::Finished;
 pub use geometry::{DepthImage, Distortion, GrayImage, Pinhole, SE3, Sensor, StereoRig};
