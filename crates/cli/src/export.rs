@@ -108,7 +108,7 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
 }
 
 fn read(file: &Path) -> anyhow::Result<(map::Map, MapFileInfo)> {
-    let bytes = std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+    let bytes = io::read_file(file).with_context(|| format!("{}: cannot be read", file.display()))?;
     map::file::decode(&bytes).with_context(|| file.display().to_string())
 }
 

@@ -1,6 +1,5 @@
 //! The vocabulary of a run, and the files of maps.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -33,7 +32,7 @@ pub fn load_map(file: &Path, sensor: Sensor) -> Result<Map, Error> {
 
 /// As [`load_map`], with what else is in the file.
 pub(crate) fn open_map(file: &Path, sensor: Sensor) -> Result<(Map, MapFileInfo), Error> {
-    let bytes = fs::read(file).map_err(|reason| Error::unreadable(file, &reason))?;
+    let bytes = io::read_file(file).map_err(|reason| Error::unreadable(file, &reason))?;
     let (map, info) =
         map::file::decode(&bytes).map_err(|problem| Error::Map { path: file.to_path_buf(), problem })?;
     if info.sensor != Some(sensor) {

@@ -20,7 +20,7 @@ pub use dataset::{
     RectifiedView, Sequence, SequenceKind, Times, Variant, VariantError, Video, associate, layout_of,
     open_cameras, open_sequence, open_sequence_with, open_video, read_calibration, seconds,
 };
-pub use file::{FileError, create_output_folder, write_atomic, write_durable};
+pub use file::{FileError, check_file, create_output_folder, read_file, write_atomic, write_durable};
 pub use geometry::Sensor;
 pub use images::{
     ImageError, ImageSize, LoadedFrame, Preview, Rgb, brightness, image_size, load_depth, load_frame,
