@@ -10,7 +10,9 @@ fn kalibr(name: &str, place: &str) -> String {
 
 fn chain(field: &str, places: [f64; 2]) -> String {
     let place = |x: f64| {
-        format!("  {field}:\n  - [1.0, 0, 0, {x}]\n  - [0, 1.0, 0, 0]\n  - [0, 0, 1.0, 0]\n  - [0, 0, 0, 1.0]\n")
+        format!(
+            "  {field}:\n  - [1.0, 0, 0, {x}]\n  - [0, 1.0, 0, 0]\n  - [0, 0, 1.0, 0]\n  - [0, 0, 0, 1.0]\n"
+        )
     };
     let first = if field == "T_cn_cnm1" { String::new() } else { place(places[0]) };
     kalibr("cam0", &first) + &kalibr("cam1", &place(places[1]))

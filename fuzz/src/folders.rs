@@ -35,17 +35,35 @@ pub const LAYOUTS: &[Layout] = &[
     ),
     layout(
         "raw/2011_09_30_drive_0020_sync",
-        &["image_00/timestamps.txt", "../calib_cam_to_cam.txt", "oxts/data/0000000000.txt", "../calib_imu_to_velo.txt", "../calib_velo_to_cam.txt"],
+        &[
+            "image_00/timestamps.txt",
+            "../calib_cam_to_cam.txt",
+            "oxts/data/0000000000.txt",
+            "../calib_imu_to_velo.txt",
+            "../calib_velo_to_cam.txt",
+        ],
         &["image_00/data/0000000000.png", "image_01/data/0000000000.png"],
     ),
     layout(
         "k360/data_2d_raw/drive",
-        &["image_00/timestamps.txt", "../../calibration/perspective.txt", "../../data_poses/drive/cam0_to_world.txt"],
+        &[
+            "image_00/timestamps.txt",
+            "../../calibration/perspective.txt",
+            "../../data_poses/drive/cam0_to_world.txt",
+        ],
         &["image_00/data_rect/0000000003.png", "image_01/data_rect/0000000003.png"],
     ),
     layout("tum", &["rgb.txt", "depth.txt", "groundtruth.txt"], &["rgb/0.png", "depth/0.png"]),
-    layout("icl", &["associations.txt", "groundtruth.txt", "calibration.yaml"], &["rgb/0.png", "depth/0.png"]),
-    layout("loris", &["color.txt", "aligned_depth.txt", "groundtruth.txt"], &["color/0.png", "aligned_depth/0.png"]),
+    layout(
+        "icl",
+        &["associations.txt", "groundtruth.txt", "calibration.yaml"],
+        &["rgb/0.png", "depth/0.png"],
+    ),
+    layout(
+        "loris",
+        &["color.txt", "aligned_depth.txt", "groundtruth.txt"],
+        &["color/0.png", "aligned_depth/0.png"],
+    ),
     layout(
         "euroc",
         &["mav0/cam0/data.csv", "mav0/cam0/sensor.yaml", "mav0/state_groundtruth_estimate0/data.csv"],
@@ -66,7 +84,11 @@ pub const LAYOUTS: &[Layout] = &[
         &["frame-000000.pose.txt", "calibration.yaml"],
         &["frame-000000.color.png", "frame-000000.depth.png"],
     ),
-    layout("replica", &["traj.txt", "cam_params.json"], &["results/frame000000.png", "results/depth000000.png"]),
+    layout(
+        "replica",
+        &["traj.txt", "cam_params.json"],
+        &["results/frame000000.png", "results/depth000000.png"],
+    ),
     layout("lab", &["rgb.csv", "calibration.yaml", "groundtruth.csv"], &["rgb_0/0.png", "depth_0/0.png"]),
     layout(
         "pairs",
@@ -83,7 +105,8 @@ const CSV: &str =
 const ROWS: &str = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n";
 const DATES: &str = "2013-05-28 08:46:03.100000000\n";
 const LIST: &str = "#timestamp [ns],filename\n1000000000,1000000000.png\n";
-const NEGATIVE_FY: &str = "Camera.fx: 30\nCamera.fy: -31\nCamera.cx: 19\nCamera.cy: 9.5\nCamera.bf: 2.4\nDepthMapFactor: 5000\n";
+const NEGATIVE_FY: &str =
+    "Camera.fx: 30\nCamera.fy: -31\nCamera.cx: 19\nCamera.cy: 9.5\nCamera.bf: 2.4\nDepthMapFactor: 5000\n";
 
 /// A byte for the layout, then its texts, of all layouts.
 pub fn seeds() -> Vec<Vec<u8>> {

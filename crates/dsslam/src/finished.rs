@@ -35,7 +35,8 @@ impl Finished {
             configuration: intake.config.to_yaml(),
             vocabulary_sha256: vocabulary.map_or(String::new(), |words| maps::sha256(words.as_bytes())),
             body_from_left: trajectories::body_text(sequence.sensor, &sequence.body_from_left),
-            stamps_ns: clock.beyond_doubles(outcome.map.keyframes().map(|keyframe| keyframe.frame.timestamp_s)),
+            stamps_ns: clock
+                .beyond_doubles(outcome.map.keyframes().map(|keyframe| keyframe.frame.timestamp_s)),
         };
         Self { outcome, body_from_left: sequence.body_from_left, clock, info }
     }

@@ -154,7 +154,8 @@ fn filled_view(
 fn fold(model: &CameraModel, camera: usize, size: &Vec2) -> Option<RectificationError> {
     let Pinhole { fx, fy, cx, cy } = *model.pinhole();
     let distance = |x: f64, y: f64| ((x - cx) / fx).hypot((y - cy) / fy);
-    let corners = [distance(0.0, 0.0), distance(size.x, 0.0), distance(0.0, size.y), distance(size.x, size.y)];
+    let corners =
+        [distance(0.0, 0.0), distance(size.x, 0.0), distance(0.0, size.y), distance(size.x, size.y)];
     let corner = corners.into_iter().fold(0.0, f64::max);
     let (sine, cosine) = model.max_angle().sin_cos();
     let last = model.project(&Vec3::new(sine, 0.0, cosine));

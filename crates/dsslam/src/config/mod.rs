@@ -9,7 +9,9 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use features::{ExtractorConfig, StereoConfig};
-use io::{CameraSettings, ConfigErrors, ConfigSource, Explained, InputSettings, Origins, Problem, Provenance};
+use io::{
+    CameraSettings, ConfigErrors, ConfigSource, Explained, InputSettings, Origins, Problem, Provenance,
+};
 use runtime::Lags;
 use serde::{Deserialize, Serialize};
 use settings::{Entry, Section, integer};

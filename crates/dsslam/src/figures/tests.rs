@@ -214,7 +214,8 @@ fn pairs_that_are_not_rectified_exchanged_or_late_are_doubted() {
 #[test]
 fn two_views_in_the_images_of_one_camera_are_told() {
     let with = |halves: Pairing| {
-        let sight = Sight { right: None, pairing: None, halves: Some(halves), depths_m: Vec::new(), ..sight() };
+        let sight =
+            Sight { right: None, pairing: None, halves: Some(halves), depths_m: Vec::new(), ..sight() };
         Facts { sensor: Sensor::Mono, sights: vec![sight; 5], ..good() }
     };
     let text = only(&with(pairing(200, 20.0, 0.5)), "side_by_side");

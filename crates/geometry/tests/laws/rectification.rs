@@ -3,8 +3,8 @@
 use crate::camera_models::{EUROC_LEFT, TUM_VI_LEFT};
 use crate::support::{generator, random_vec3};
 use dsslam_geometry::{
-    CameraModel, Distortion, Pinhole, Rational, RectificationError, SE3, SO3, StereoRectification, Vec2, Vec3,
-    rectify_single, rectify_stereo,
+    CameraModel, Distortion, Pinhole, Rational, RectificationError, SE3, SO3, StereoRectification, Vec2,
+    Vec3, rectify_single, rectify_stereo,
 };
 
 const SIZE: (usize, usize) = (752, 480);

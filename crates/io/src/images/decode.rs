@@ -233,7 +233,8 @@ const OTHERS: [(usize, &[u8], &str); 8] = [
 /// The first bytes of a file that is not an image: what they stand for where that is known, as text where they are text.
 fn describe_head(head: &[u8]) -> String {
     const SHOWN_BYTES: usize = 16;
-    let known = OTHERS.iter().find(|(at, mark, _)| head.get(*at..).is_some_and(|rest| rest.starts_with(mark)));
+    let known =
+        OTHERS.iter().find(|(at, mark, _)| head.get(*at..).is_some_and(|rest| rest.starts_with(mark)));
     if let Some((_, _, what)) = known {
         return (*what).to_owned();
     }

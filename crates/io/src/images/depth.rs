@@ -162,8 +162,16 @@ mod tests {
         }
         assert_eq!(numpy(&file(header, &values)[..40]), None);
         // Three doubles in six floats' place; one channel.
-        let [low, high] = 2.5_f64.to_le_bytes().as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b)).collect::<Vec<_>>()[..]
-        else { panic!("two halves") };
+        let [low, high] = 2.5_f64
+            .to_le_bytes()
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|&b| f32::from_le_bytes(b))
+            .collect::<Vec<_>>()[..]
+        else {
+            panic!("two halves")
+        };
         let wide = header.replace("<f4", "<f8").replace("(2, 3)", "(1, 3, 1)");
         let three = [low, high].repeat(3);
         assert_eq!(numpy(&file(&wide, &three)), Some((ImageSize { width: 3, height: 1 }, vec![2.5; 3])));

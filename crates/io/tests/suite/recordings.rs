@@ -95,7 +95,8 @@ fn lists_as_people_write_them() {
     // Names alone, where they are times.
     for name in ["a", "b"] {
         let time = if name == "a" { "1305031452.791720" } else { "1305031452.823674" };
-        std::fs::copy(folder.file(&format!("rgb/{name}.png")), folder.file(&format!("rgb/{time}.png"))).unwrap();
+        std::fs::copy(folder.file(&format!("rgb/{name}.png")), folder.file(&format!("rgb/{time}.png")))
+            .unwrap();
     }
     folder.write("rgb.txt", "rgb/1305031452.791720.png\nrgb/1305031452.823674.png\n");
     let sequence = open_sequence(folder.path(), Some(Sensor::Mono)).unwrap();
