@@ -17,6 +17,8 @@ const RGBD_DEPTH_M: [f64; 2] = [0.25, 6.0];
 const RGBD_ENDS_M: [f64; 2] = [0.4, 3.0];
 /// Median depth of two cameras, meters.
 const STEREO_DEPTH_M: [f64; 2] = [0.1, 200.0];
+const NO_DEPTH: &str = "the depth images hold no depth (0, or beyond the 32 m that are read where they are floats in meters: are they in \
+                        millimeters?)";
 /// Matches that tell something of a pair of images.
 const MIN_MATCHES: usize = 60;
 /// Share of matches that must lie on their row, and of those that make a common offset; rectified images have 0.9 and more.
@@ -80,7 +82,7 @@ fn depth(facts: &Facts) -> Option<Doubt> {
     let Some([near, median, far]) = spread_m(&facts.sights).filter(|_| is_rgbd || n_depths >= MIN_MATCHES)
     else {
         let nothing = is_rgbd && !facts.sights.is_empty();
-        return if nothing { doubt("depth", "the depth images hold no depth".to_owned()) } else { None };
+        return if nothing { doubt("depth", NO_DEPTH.to_owned()) } else { None };
     };
     let is_room = !is_rgbd || far >= RGBD_ENDS_M[0] && near <= RGBD_ENDS_M[1];
     if (least..=most).contains(&median) && is_room {
