@@ -66,12 +66,18 @@ pub const LAYOUTS: &[Layout] = &[
     ),
     layout(
         "euroc",
-        &["mav0/cam0/data.csv", "mav0/cam0/sensor.yaml", "mav0/state_groundtruth_estimate0/data.csv"],
+        &[
+            "mav0/cam0/data.csv",
+            "mav0/cam0/sensor.yaml",
+            "mav0/cam1/data.csv",
+            "mav0/cam1/sensor.yaml",
+            "mav0/state_groundtruth_estimate0/data.csv",
+        ],
         &["mav0/cam0/data/1000000000.png", "mav0/cam1/data/1000000000.png"],
     ),
     layout(
         "tumvi",
-        &["mav0/cam0/data.csv", "dso/camchain.yaml", "mav0/mocap0/data.csv"],
+        &["mav0/cam0/data.csv", "mav0/cam1/data.csv", "dso/camchain.yaml", "mav0/mocap0/data.csv"],
         &["mav0/cam0/data/1000000000.png", "mav0/cam1/data/1000000000.png"],
     ),
     layout(
@@ -111,6 +117,7 @@ const NEGATIVE_FY: &str =
 /// A byte for the layout, then its texts, of all layouts.
 pub fn seeds() -> Vec<Vec<u8>> {
     let chain = cameras::tum_vi();
+    let right = cameras::SENSOR.replace("0.0, 0.1, 0.0", "0.0, 0.35, 0.0");
     let matrix = "1 0 0 0.5\n0 1 0 0.25\n0 0 1 0\n0 0 0 1\n";
     let contents: [&[&str]; 14] = [
         &["0.0\n0.1\n", cameras::KITTI, "0 1 0 0 0 0 1 0 0 0 0 1 0\n1 1 0 0 0 0 1 0 0 0 0 1 1\n"],
@@ -125,8 +132,8 @@ pub fn seeds() -> Vec<Vec<u8>> {
         &["# color\n1.0 rgb/0.png\n", "1.01 depth/0.png\n", TUM],
         &["1.0 depth/0.png 1.01 rgb/0.png\n", TUM, NEGATIVE_FY],
         &["1.0 color/0.png\n", "1.01 aligned_depth/0.png\n", TUM],
-        &[LIST, cameras::SENSOR, CSV],
-        &[LIST, &chain, CSV],
+        &[LIST, cameras::SENSOR, LIST, &right, CSV],
+        &[LIST, LIST, &chain, CSV],
         &["1 2 3 0 0 0 1\n", cameras::REALSENSE],
         &[matrix, cameras::REALSENSE],
         &[ROWS, cameras::REPLICA],
@@ -135,7 +142,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
             cameras::LAB,
             "ts (ns),tx,ty,tz,qx,qy,qz,qw\n1000000000,0.1,0.2,0.3,0,0,0,1\n",
         ],
-        &["1403636579763555584\n", cameras::OWN, TUM],
+        &["0.5\n1.5\n", cameras::OWN, TUM],
         &["0.5\n", cameras::OWN, TUM],
     ];
     assert_eq!(contents.len(), LAYOUTS.len());

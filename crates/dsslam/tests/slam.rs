@@ -269,7 +269,7 @@ fn a_saved_map_is_gone_on_with_or_localized_in() {
     assert_eq!(error, expected);
 }
 
-/// EuRoC's stamps have 19 digits, of which a double holds 16: also those of a map that was saved, loaded and gone on with.
+/// EuRoC's stamps have 19 digits, of which a double holds 16: also those of a map that was saved, loaded and resumed.
 #[test]
 fn stamps_out_equal_stamps_in() {
     let config = config(&["input.scale=0.5"]);
