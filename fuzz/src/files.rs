@@ -37,7 +37,8 @@ pub(super) fn images(bytes: &[u8]) -> String {
     let bytes = with_png_checksums(bytes);
     in_file("image.png", &bytes, |path| {
         let size = said(io::image_size(path));
-        format!("{size}; {}; {}", said(io::load_gray(path)), said(io::load_depth(path)))
+        let color = said(io::load_rgb(path));
+        format!("{size}; {}; {color}; {}", said(io::load_gray(path)), said(io::load_depth(path)))
     })
 }
 
@@ -77,12 +78,16 @@ pub(super) fn calibrations(bytes: &[u8]) -> String {
     let name = CALIBRATIONS[usize::from(*kind) % CALIBRATIONS.len()];
     in_file(name, bytes, |path| {
         let stereo = said(io::open_cameras(path, Some(io::Sensor::Stereo)));
-        format!("{}; {stereo}", said(io::open_cameras(path, None)))
+        let printed = said(io::read_calibration(path).map(|file| file.to_yaml()));
+        format!("{}; {stereo}; {printed}", said(io::open_cameras(path, None)))
     })
 }
 
 pub(super) fn trajectories(bytes: &[u8]) -> String {
-    in_file("trajectory.txt", bytes, |path| said(io::read_trajectory(path, None)))
+    in_file("trajectory.txt", bytes, |path| {
+        let read = io::read_trajectory(path, None);
+        said(read.map(|file| file.with_frame_times(&[1.0, 1.5])))
+    })
 }
 
 pub(super) fn configurations(bytes: &[u8]) -> String {

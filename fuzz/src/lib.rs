@@ -4,6 +4,8 @@
 //! `fuzz_targets/` hands them to libFuzzer (`cargo fuzz run images`); `tests/tests/suite/fuzzing.rs` mutates the seeds on a stable
 //! compiler, briefly in every test run and for as long as `run.sh` says.
 
+mod bags;
+mod cameras;
 mod files;
 mod folders;
 pub mod seeds;
@@ -24,7 +26,7 @@ pub struct Target {
 pub const TARGETS: &[Target] = &[
     Target { name: "images", run: files::images, seeds: seeds::images },
     Target { name: "calibrations", run: files::calibrations, seeds: seeds::calibrations },
-    Target { name: "layouts", run: folders::layouts, seeds: seeds::layouts },
+    Target { name: "layouts", run: folders::layouts, seeds: folders::seeds },
     Target { name: "trajectories", run: files::trajectories, seeds: seeds::trajectories },
     Target { name: "configurations", run: files::configurations, seeds: seeds::configurations },
     Target { name: "overrides", run: overrides, seeds: seeds::overrides },
@@ -35,6 +37,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "event_records", run: files::event_records, seeds: seeds::event_records },
     Target { name: "journals", run: files::journals, seeds: seeds::journals },
     Target { name: "videos", run: files::videos, seeds: seeds::videos },
+    Target { name: "bags", run: bags::bags, seeds: bags::seeds },
     Target { name: "command_lines", run: command_lines, seeds: seeds::command_lines },
 ];
 

@@ -6,76 +6,90 @@ use std::path::Path;
 use dsslam::{Camera, Config, Slam, synth};
 use geometry::{DepthImage, GrayImage};
 
-use super::folders::{LAYOUTS, SEPARATOR};
+use super::cameras;
 
 fn texts(texts: &[&str]) -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
 }
 
 /// The bytes that a writer leaves in a file of this name.
-fn written(name: &str, write: impl FnOnce(&Path)) -> Vec<u8> {
+pub(super) fn written(name: &str, write: impl FnOnce(&Path)) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
     write(&path);
     fs::read(path).expect("what was written")
 }
 
-/// PNG in 8 and 16 bits, JPEG.
+/// All formats, 8 and 16 bits, gray and color, depth in meters.
 pub fn images() -> Vec<Vec<u8>> {
+    use image::ImageFormat::{Bmp, Jpeg, Png, Pnm, Tiff, WebP};
     let gray = GrayImage::from_fn(12, 9, |x, y| (x * 20 + y) as u8);
     let depth = DepthImage::from_fn(7, 5, |x, y| (x * 5000 + y) as u16);
-    vec![
+    let color = image::RgbaImage::from_fn(9, 7, |x, y| image::Rgba([x as u8 * 20, y as u8 * 30, 90, 200]));
+    let color = image::DynamicImage::ImageRgba8(color);
+    let coded = |image: &image::DynamicImage, format| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).expect("memory");
+        bytes.into_inner()
+    };
+    let deep = image::DynamicImage::ImageLuma16(color.to_luma16());
+    let meters: Vec<u8> = (0..30).flat_map(|i| (0.25 * i as f32).to_le_bytes()).collect();
+    let numpy = |header: &str, values: &[u8]| {
+        let length = (header.len() as u16).to_le_bytes();
+        [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), values].concat()
+    };
+    let shape = "{'descr': '<f4', 'fortran_order': False, 'shape': (5, 6), }\n";
+    let all = [(&color, Png), (&deep, Png), (&deep, Pnm), (&deep, Tiff), (&color, WebP)];
+    let rgb = image::DynamicImage::ImageRgb8(color.to_rgb8());
+    let opaque = [(&rgb, Bmp), (&rgb, Pnm), (&rgb, Tiff), (&rgb, Jpeg)];
+    let mut seeds: Vec<Vec<u8>> =
+        all.iter().chain(&opaque).map(|(image, format)| coded(image, *format)).collect();
+    seeds.extend([
         written("a.png", |path| io::save_png_gray(path, &gray).expect("a file")),
         written("a.png", |path| io::save_png_depth(path, &depth).expect("a file")),
         io::preview(&gray, 12).map(|preview| preview.jpeg).unwrap_or_default(),
+        numpy(shape, &meters),
+        float_tiff(&meters),
         b"P5 3 2 255\n123456".to_vec(),
+        b"P4 8 2\n12".to_vec(),
+        b"P2\n# a comment\n3 2\n255\n1 2 3\n4 5 6\n".to_vec(),
         b"BM".to_vec(),
-    ]
+    ]);
+    seeds
 }
 
-const OWN: &str = "fps: 30\ncameras:\n  - model: pinhole-radtan\n    resolution: [64, 48]\n    intrinsics: [45.8, 45.7, 32.5, 23.5]\n    distortion: [-0.28, 0.07, 0.0, 0.0]\n  - model: none\n    resolution: [64, 48]\n    intrinsics: [45.7, 45.6, 31.2, 24.0]\nright_from_left:\n  - [1, 0, 0, -0.11]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n";
-const SENSOR: &str = "T_BS:\n  cols: 4\n  rows: 4\n  data: [1.0, 0.0, 0.0, 0.1, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]\nresolution: [40, 40]\ncamera_model: pinhole\nintrinsics: [30.0, 30.0, 20.0, 20.0]\ndistortion_model: radial-tangential\ndistortion_coefficients: [0.1, 0.0, 0.0, 0.0]\n";
-const KITTI: &str = "P0: 70 0 20 0 0 70 20 0 0 0 1 0\nP1: 70 0 20 -38 0 70 20 0 0 0 1 0\n";
-const XML: &str = "<?xml version=\"1.0\"?><boofcv.struct.calib.StereoParameters><left><width>64</width><height>48</height><fx>45</fx><fy>45</fy><skew>0</skew><cx>32</cx><cy>24</cy><radial><double>-0.3</double><double>0.1</double></radial><t1>0</t1><t2>0</t2></left><right><width>64</width><height>48</height><fx>45</fx><fy>45</fy><skew>0</skew><cx>32</cx><cy>24</cy></right><rightToLeft><r><numRows>3</numRows><data><double>1</double><double>0</double><double>0</double><double>0</double><double>1</double><double>0</double><double>0</double><double>0</double><double>1</double></data></r><t><x>0.1</x><y>0</y><z>0</z></t></rightToLeft></boofcv.struct.calib.StereoParameters>";
-const SETTINGS: &str = "%YAML:1.0\n---\nCamera.type: \"PinHole\"\nCamera.fx: 458.6\nCamera.fy: 457.2\nCamera.cx: 367.2\nCamera.cy: 248.3\nCamera.k1: -0.28\nCamera.width: 752\nCamera.height: 480\nCamera.fps: 20.0\nCamera.bf: 47.9\nT: !!opencv-matrix\n   rows: 1\n   cols: 2\n   dt: d\n   data: [1., 2.]\n";
-const CAMCHAIN: &str = "cam0:\n  camera_model: pinhole\n  intrinsics: [461.6, 460.3, 362.7, 246.0]\n  distortion_model: radtan\n  distortion_coeffs: [-0.27, 0.06, 0.0, 0.0]\n  resolution: [752, 480]\n  rostopic: /cam0\ncam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, -0.11]\n  - [0.0, 1.0, 0.0, 0.0]\n  - [0.0, 0.0, 1.0, 0.0]\n  - [0.0, 0.0, 0.0, 1.0]\n  camera_model: pinhole\n  intrinsics: [460.2, 458.8, 356.4, 239.9]\n  distortion_model: radtan\n  distortion_coeffs: [-0.27, 0.06, 0.0, 0.0]\n  resolution: [752, 480]\n";
-const INFO: &str = "image_width: 640\nimage_height: 480\ncamera_name: left\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [430.2, 0.0, 306.7, 0.0, 430.5, 227.2, 0.0, 0.0, 1.0]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.33, 0.12, 0.0, 0.0, 0.0]\n";
-const JSON: &str = "{\"fl_x\": 500.0, \"fl_y\": 500.0, \"cx\": 320.0, \"cy\": 240.0, \"w\": 640, \"h\": 480, \"k1\": 0.1, \"camera_model\": \"OPENCV\", \"frames\": []}";
-const COLMAP: &str =
-    "# Camera list\n1 PINHOLE 640 480 500 500 320 240\n2 OPENCV 640 480 500 500 320 240 0.1 0.0 0.0 0.0\n";
+/// A TIFF of 6 x 5 32-bit floats.
+fn float_tiff(values: &[u8]) -> Vec<u8> {
+    const N_TAGS: u16 = 10;
+    let data_at = 8 + 2 + 12 * u32::from(N_TAGS) + 4;
+    // Width, height, bits, packing, meaning, place, samples, rows, bytes, kind of number.
+    let tags: [(u16, u32); N_TAGS as usize] = [
+        (256, 6),
+        (257, 5),
+        (258, 32),
+        (259, 1),
+        (262, 1),
+        (273, data_at),
+        (277, 1),
+        (278, 5),
+        (279, values.len() as u32),
+        (339, 3),
+    ];
+    let mut bytes = b"II*\0\x08\0\0\0".to_vec();
+    bytes.extend(N_TAGS.to_le_bytes());
+    for (tag, value) in tags {
+        bytes.extend(tag.to_le_bytes());
+        bytes.extend([4, 0, 1, 0, 0, 0]);
+        bytes.extend(value.to_le_bytes());
+    }
+    bytes.extend([0; 4]);
+    bytes.extend(values);
+    bytes
+}
 
 /// A byte for the name, then the text.
 pub fn calibrations() -> Vec<Vec<u8>> {
-    let all = [
-        (0, OWN),
-        (1, SENSOR),
-        (2, XML),
-        (5, KITTI),
-        (0, SETTINGS),
-        (0, CAMCHAIN),
-        (0, INFO),
-        (3, JSON),
-        (4, COLMAP),
-    ];
-    all.iter().map(|(kind, text)| [&[*kind], text.as_bytes()].concat()).collect()
-}
-
-/// A byte for the layout, then its texts.
-pub fn layouts() -> Vec<Vec<u8>> {
-    let tum = "1.0 0.5 0.5 0.5 0 0 0 1\n1.1 0.5 0.6 0.5 0 0 0 1\n";
-    let csv = "#timestamp, p_x\n1000000000,0.1,0.2,0.3,1,0,0,0,0,0,0\n1100000000,0.1,0.2,0.3,1,0,0,0,0,0,0\n";
-    let contents: [&[&str]; 4] = [
-        &["0.0\n0.1\n", KITTI, "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n"],
-        &["# color\n1.0 rgb/0.png\n", "1.01 depth/0.png\n", tum],
-        &["#timestamp [ns],filename\n1000000000,1000000000.png\n", SENSOR, csv],
-        &["0.5\n", OWN, tum],
-    ];
-    assert_eq!(contents.len(), LAYOUTS.len());
-    let join = |(kind, texts): (u8, &&[&str])| {
-        let texts: Vec<&[u8]> = texts.iter().map(|text| text.as_bytes()).collect();
-        [&[kind], &texts.join(&SEPARATOR)[..]].concat()
-    };
-    (0..).zip(&contents).map(join).collect()
+    cameras::all().iter().map(|(kind, text)| [&[*kind], text.as_bytes()].concat()).collect()
 }
 
 /// All formats.
@@ -85,6 +99,11 @@ pub fn trajectories() -> Vec<Vec<u8>> {
         "0 1 0 0 0 0 1 0 0 0 0 1 0\n5 1 0 0 0.5 0 1 0 0 0 0 1 1\n",
         "# seconds x y z qx qy qz qw\n1.0 0.5 0.5 0.5 0 0 0 1\n1.1 0.5 0.6 0.5 0 0.6 0 0.8\n",
         "#timestamp, p_x\n1000000000,0.1,0.2,0.3,1,0,0,0\n1100000000,0.1,0.2,0.3,0.8,0,0.6,0\n",
+        "ts (ns),tx,ty,tz,qx,qy,qz,qw\n1000000000,0.1,0.2,0.3,0,0,0,1\n1100000000,0.1,0.2,0.3,0,0.6,0,0.8\n",
+        "1.5 1 0 0 0 0 1 0 0 0 0 1 0\n1.75 1 0 0 0.5 0 1 0 0 0 0 1 1\n",
+        "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1\n",
+        "3 1 0 0 7 0 1 0 0 0 0 1 0 0 0 0 1\n5 1 0 0 7 0 1 0 0 0 0 1 0 0 0 0 1\n",
+        "0.5 0.5 0.5 0 0 0 1\n0.5 0.6 0.5 0 0.6 0 0.8\n",
     ])
 }
 

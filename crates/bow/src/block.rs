@@ -23,14 +23,14 @@ pub(crate) enum Block {
 impl Block {
     /// The contents of a file: mapped, as reading costs ten times as much on first use (memory must be found for it), and
     /// read where the file is nothing that can be mapped.
+    /// Pipes, devices and folders are refused.
     pub(crate) fn of_file(path: &Path) -> io::Result<Self> {
+        ::io::check_file(path)?;
         let file = File::open(path)?;
-        if file.metadata()?.is_file() {
-            // SAFETY: the map is read-only and every access to it is checked. The file must not be changed in place while
-            // it is in use; `tool::save` never does that but puts a new file in its stead.
-            if let Ok(map) = unsafe { Mmap::map(&file) } {
-                return Ok(Self::Mapped(Arc::new(map)));
-            }
+        // SAFETY: the map is read-only and every access to it is checked. The file must not be changed in place while
+        // it is in use; `tool::save` never does that but puts a new file in its stead.
+        if let Ok(map) = unsafe { Mmap::map(&file) } {
+            return Ok(Self::Mapped(Arc::new(map)));
         }
         Ok(Self::Bytes(Arc::new(fs::read(path)?)))
     }

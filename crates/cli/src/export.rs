@@ -98,8 +98,10 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Exit, Failure> {
         Format::Ply => write_ply(args, &scene, images.as_ref())?,
         Format::Colmap => write_colmap(args, &scene, images.as_ref())?,
         Format::Nerfstudio => write_nerfstudio(args, &scene, images.as_ref())?,
-        Format::Tum | Format::Kitti => write_trajectory(args, &scene, None)?,
-        Format::Euroc | Format::Vslamlab => write_trajectory(args, &scene, body(args, &info).or_input()?)?,
+        Format::Tum | Format::Kitti => write_trajectory(args, &scene, &info, None)?,
+        Format::Euroc | Format::Vslamlab => {
+            write_trajectory(args, &scene, &info, body(args, &info).or_input()?)?;
+        }
         Format::Mcap => {}
     }
     Ok(Exit::Done)
@@ -123,7 +125,7 @@ fn check(args: &ExportArgs) -> anyhow::Result<()> {
 }
 
 pub(crate) fn read(file: &Path) -> anyhow::Result<(map::Map, MapFileInfo)> {
-    let bytes = std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+    let bytes = io::read_file(file).with_context(|| format!("{}: cannot be read", file.display()))?;
     map::file::decode(&bytes).with_context(|| file.display().to_string())
 }
 
@@ -259,7 +261,13 @@ fn body(args: &ExportArgs, info: &MapFileInfo) -> anyhow::Result<Option<SE3>> {
 }
 
 /// Poses of the body where it is given, else of the left camera.
-fn write_trajectory(args: &ExportArgs, scene: &Scene, body_from_left: Option<SE3>) -> Result<(), Failure> {
+fn write_trajectory(
+    args: &ExportArgs,
+    scene: &Scene,
+    info: &MapFileInfo,
+    body_from_left: Option<SE3>,
+) -> Result<(), Failure> {
+    let clock = io::Clock::of_stamps(info.stamps_ns.iter().copied());
     let left = ::export::trajectory(scene);
     let (trajectory, whose) = match body_from_left {
         Some(body_from_left) => (of_body(&left, &body_from_left), "body"),
@@ -268,9 +276,9 @@ fn write_trajectory(args: &ExportArgs, scene: &Scene, body_from_left: Option<SE3
     io::create_output_folder(folder_of(&args.out)).or_output()?;
     match args.to {
         Format::Kitti => io::write_kitti(&args.out, &trajectory),
-        Format::Euroc => io::write_euroc(&args.out, &trajectory),
-        Format::Vslamlab => io::write_vslamlab(&args.out, &trajectory, &io::Clock::default()),
-        _ => io::write_tum(&args.out, &trajectory),
+        Format::Euroc => io::write_euroc_at(&args.out, &trajectory, &clock),
+        Format::Vslamlab => io::write_vslamlab(&args.out, &trajectory, &clock),
+        _ => io::write_tum_at(&args.out, &trajectory, &clock),
     }
     .or_output()?;
     written(&format!("{} poses of the {whose}", trajectory.poses.len()), &args.out);

@@ -1,11 +1,10 @@
 //! A run from its first frame to its last file: what `run` and `demo` have in common.
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use dsslam::submaps::{of_largest, submaps};
-use dsslam::{Figures, Session, Verdict, scale_against_truth};
+use dsslam::{Figures, Scale, Session, Verdict, scale_against_truth};
 use io::Sequence;
 use runtime::{FrameRecord, Journal, Schedule};
 
@@ -18,9 +17,6 @@ use crate::report;
 use crate::results::ResultsFolder;
 use crate::show::Audience;
 use crate::summary;
-
-/// Estimated over true lengths that need no word.
-const SCALE: RangeInclusive<f64> = 0.95..=1.05;
 
 /// Everything that a run needs.
 pub(crate) struct Job {
@@ -116,9 +112,10 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<Exit, Failure> {
     }
     let frames = of_largest(&outcome.frames);
     let whole = Part::new(&frames, job);
-    context.scale_against_truth =
+    let scale =
         whole.evaluation.as_ref().and_then(|evaluation| scale_against_truth(evaluation.as_ref().ok()?));
-    let off_scale = context.scale_against_truth.filter(|scale| !SCALE.contains(scale));
+    context.scale_against_truth = scale.map(|scale| scale.ratio);
+    let off_scale = scale.filter(Scale::is_off).map(|scale| scale.ratio);
     context.notices.extend(off_scale.map(warn_of_scale));
     let Written { summary, mut failures } =
         outputs::write(job, context, &finished, &whole, &|| audience.make_room());

@@ -115,7 +115,7 @@ pub(crate) fn write(
         write_body(&mut files, job, &format!("trajectory_body_submap_{root}.tum.txt"), part.frames);
     }
     let map = job.extras.save_map.as_ref().and_then(|file| files.note(finished.save_map(file)));
-    files.text("frames.csv", &frames_csv(&outcome.frames));
+    files.text("frames.csv", &frames_csv(&outcome.frames, clock));
     files.text("config.yaml", &job.session.input().config().to_yaml());
     let trajectory = std::fs::read(&kitti).ok().map(|bytes| dsslam::sha256(&bytes));
     let checksums = Checksums { trajectory, map };
@@ -192,7 +192,7 @@ fn write_truth(files: &mut Files<'_>, job: &Job, whole: &Part<'_>) {
     for (name, truth) in [(TRUTH_FILE, true_poses(job)), (TRUTH_OF_BODY_FILE, body)] {
         if !truth.poses.is_empty() {
             let path = files.folder.file(name);
-            files.write(|| io::write_tum(&path, &truth));
+            files.write(|| io::write_tum_at(&path, &truth, job.session.input().clock()));
         }
     }
 }

@@ -79,9 +79,11 @@ impl ResultsFolder {
         let Some(results) = self.path.ancestors().nth(2) else { return Ok(()) };
         let (link, part) = (results.join("latest"), results.join(".latest.part"));
         let _ = fs::remove_file(&part);
-        symlink(target, &part)
-            .and_then(|()| fs::rename(&part, &link))
-            .with_context(|| format!("{}: cannot be created", link.display()))
+        let linked = symlink(target, &part).and_then(|()| fs::rename(&part, &link));
+        if linked.is_err() {
+            let _ = fs::remove_file(&part);
+        }
+        linked.with_context(|| format!("{}: cannot be created", link.display()))
     }
 }
 

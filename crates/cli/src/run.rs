@@ -1,6 +1,5 @@
 //! `dsslam run`: SLAM on a dataset, a video or a camera. Everything that can be checked is checked before the first image is processed.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
@@ -97,7 +96,7 @@ fn options(args: &RunArgs) -> Result<SessionOptions> {
 /// The journal to replay, if there is one to replay.
 fn journal(args: &RunArgs) -> Result<Option<Journal>> {
     let Some(file) = &args.replay else { return Ok(None) };
-    let bytes = fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+    let bytes = io::read_file(file).with_context(|| format!("{}: cannot be read", file.display()))?;
     let journal = Journal::from_json(&bytes).with_context(|| file.display().to_string())?;
     Ok(Some(journal))
 }

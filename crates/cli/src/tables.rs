@@ -6,7 +6,7 @@ use slam::Assessment;
 
 /// `frames.csv`: a row per frame. Frames with equal `submap` have poses in one coordinate frame; it is the keyframe that
 /// the sub-map grew from. The covariance is the upper triangle, row by row, in the axes of the camera.
-pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
+pub(crate) fn frames_csv(records: &[FrameRecord], clock: &io::Clock) -> String {
     let mut text =
         String::from("frame,timestamp_s,state,submap,inliers,reason,quality,quality_reasons,residual_px");
     PoseCovariance::names().for_each(|name| text.push_str(&format!(",cov_{name}")));
@@ -18,7 +18,7 @@ pub(crate) fn frames_csv(records: &[FrameRecord]) -> String {
         text.push_str(&format!(
             "{},{},{},{submap},{inliers},{}",
             record.index,
-            record.timestamp_s,
+            clock.stamp(record.timestamp_s),
             record.status.state().key(),
             quoted(&reason)
         ));
@@ -115,12 +115,12 @@ pub(crate) mod tests {
             io::ImageError::Unreadable { path: "a.png".into(), reason: "\"no\", thanks".to_owned() }.into(),
         );
         let (root, empty) = (KeyframeId(7).to_string(), ",".repeat(PoseCovariance::N));
-        let text = frames_csv(&records);
+        let text = frames_csv(&records, &io::Clock::default());
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[1], format!("3,{},tracked,{root},100,,0,,{empty}", records[0].timestamp_s));
+        assert_eq!(lines[1], format!("3,0.300000000,tracked,{root},100,,0,,{empty}"));
         assert_eq!(
             lines[2],
-            format!("4,0.4,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\",0,,{empty}")
+            format!("4,0.400000000,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\",0,,{empty}")
         );
         assert!(lines[0].starts_with("frame,timestamp_s,state,submap,inliers,reason,quality,"));
         assert!(lines[0].ends_with(",cov_ryrz,cov_rzrz"));
@@ -138,7 +138,7 @@ pub(crate) mod tests {
             quality: 0.25,
             reasons: vec![QualityReason::FewInliers, QualityReason::MostlyFar],
         };
-        let text = frames_csv(&[record]);
+        let text = frames_csv(&[record], &io::Clock::default());
         let cells: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
         assert_eq!(cells[6..9], ["0.25", "few_inliers;mostly_far", "0.5"]);
         let read: Vec<f64> = cells[9..].iter().map(|cell| cell.parse().unwrap()).collect();

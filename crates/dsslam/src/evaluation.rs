@@ -69,8 +69,27 @@ impl<'a> Compared<'a> {
     }
 }
 
-/// Estimated over true lengths; `None` for a free scale, and where the path is too short to tell.
-pub fn scale_against_truth(evaluation: &Evaluation) -> Option<f64> {
+/// The scale of an estimate against the truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Scale {
+    /// Estimated over true lengths.
+    pub ratio: f64,
+    /// How far it may be off, since the estimate has errors of its own: what is left after the scale is taken out, over the spread of the
+    /// poses. A short path does not tell a scale.
+    pub uncertainty: f64,
+}
+
+impl Scale {
+    /// Whether it is wrong by more than 5 % and by more than its uncertainty.
+    pub fn is_off(&self) -> bool {
+        const TOLERATED: f64 = 0.05;
+        (self.ratio - 1.0).abs() > TOLERATED.max(self.uncertainty)
+    }
+}
+
+/// The scale of the estimate; `None` for a free scale, and where the path is too short to tell.
+pub fn scale_against_truth(evaluation: &Evaluation) -> Option<Scale> {
     /// Frames that tell, and how far they must spread over what is left when the estimate is scaled.
     const MIN_FRAMES: usize = 10;
     const MIN_SPREAD: f64 = 3.0;
@@ -87,7 +106,8 @@ pub fn scale_against_truth(evaluation: &Evaluation) -> Option<f64> {
     let spread_sq: f64 = truth.iter().map(|position| (position - middle).norm_squared()).sum();
     let left_sq: f64 = moved.iter().zip(&truth).map(|(a, b)| (a - b).norm_squared()).sum();
     let tells = truth.len() >= MIN_FRAMES && spread_sq > MIN_SPREAD * MIN_SPREAD * left_sq;
-    (tells && gt_from_est.scale > 0.0).then(|| 1.0 / gt_from_est.scale)
+    let scale = Scale { ratio: 1.0 / gt_from_est.scale, uncertainty: (left_sq / spread_sq).sqrt() };
+    (tells && gt_from_est.scale > 0.0).then_some(scale)
 }
 
 #[cfg(test)]
@@ -142,6 +162,27 @@ mod tests {
         let evaluation = compared.evaluate(&[10.0]).unwrap();
         assert_eq!((compared.subject, evaluation.alignment), (Subject::LeftCamera, Alignment::Sim3));
         assert!(evaluation.ate_m.rmse < 1e-9 && (evaluation.scale - 4.0).abs() < 1e-9);
+    }
+
+    /// Situation: thirteen frames of a hand-held camera, 18 cm of path with 6 mm of error, were told that their unit is wrong.
+    #[test]
+    fn a_short_path_with_errors_tells_no_scale() {
+        let (frames, sequence) = arc(Sensor::Stereo, SE3::identity());
+        let of = |factor: f64, shake: f64| {
+            let mut frames = frames[..20].to_vec();
+            for (i, frame) in frames.iter_mut().enumerate() {
+                let pose = frame.world_from_cam.as_mut().unwrap();
+                pose.translation *= factor;
+                pose.translation.y += if i % 2 == 0 { shake } else { -shake };
+            }
+            let evaluation = Compared::new(&frames, &sequence).unwrap().evaluate(&[10.0]).unwrap();
+            scale_against_truth(&evaluation).unwrap()
+        };
+        let right = of(1.08, 0.01);
+        assert!((right.ratio - 1.08).abs() < 1e-3 && right.is_off(), "{right:?}");
+        let shaken = of(1.08, 0.6);
+        assert!(!shaken.is_off() && shaken.uncertainty > 0.08, "{shaken:?}");
+        assert!(of(1.9, 0.6).is_off() && !of(1.0, 0.01).is_off());
     }
 
     #[test]

@@ -19,10 +19,10 @@ pub struct Finished {
     pub outcome: RunOutcome,
     /// Pose of the left camera in the body; the identity where the camera is the body.
     pub body_from_left: SE3,
+    /// The stamps of the frames and of the start map, exactly as they were read.
+    pub clock: Clock,
     /// What goes into the map's file beside the map.
     info: MapFileInfo,
-    /// The stamps of the frames.
-    clock: Clock,
     rig: Rig,
 }
 
@@ -37,9 +37,11 @@ impl Finished {
             configuration: intake.config.to_yaml(),
             vocabulary_sha256: vocabulary.map_or(String::new(), |words| maps::sha256(words.as_bytes())),
             body_from_left: trajectories::body_text(sequence.sensor, &sequence.body_from_left),
+            stamps_ns: clock
+                .beyond_doubles(outcome.map.keyframes().map(|keyframe| keyframe.frame.timestamp_s)),
         };
         let rig = (*setup.rig).clone();
-        Self { outcome, body_from_left: sequence.body_from_left, info, clock, rig }
+        Self { outcome, body_from_left: sequence.body_from_left, clock, info, rig }
     }
 
     /// Poses `world_from_cam` of the left camera at the frames that were tracked, after all corrections of the map; meters, of

@@ -71,7 +71,7 @@ pub use ::slam::{Assessment, QualityReason};
 pub use camera::Camera;
 pub use config::{CameraError, Chosen, Config, SCHEMA, presets};
 pub use error::{Error, FrameProblem};
-pub use evaluation::{Compared, scale_against_truth};
+pub use evaluation::{Compared, Scale, scale_against_truth};
 pub use figures::{Doubt, Figure, Figures};
 pub use finished::Finished;
 pub use geometry::{DepthImage, Distortion, GrayImage, Pinhole, PoseCovariance, SE3, Sensor, StereoRig};

@@ -1,6 +1,5 @@
 //! The vocabulary of a run, and the files of maps.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -28,14 +27,19 @@ pub fn vocabulary(file: Option<&Path>) -> Result<Arc<Vocabulary>, Error> {
 /// # Errors
 /// A file that is not a map, or the map of another sensor.
 pub fn load_map(file: &Path, sensor: Sensor) -> Result<Map, Error> {
-    let bytes = fs::read(file).map_err(|reason| Error::unreadable(file, &reason))?;
+    open_map(file, sensor).map(|(map, _)| map)
+}
+
+/// As [`load_map`], with what else is in the file.
+pub(crate) fn open_map(file: &Path, sensor: Sensor) -> Result<(Map, MapFileInfo), Error> {
+    let bytes = io::read_file(file).map_err(|reason| Error::unreadable(file, &reason))?;
     let (map, info) =
         map::file::decode(&bytes).map_err(|problem| Error::Map { path: file.to_path_buf(), problem })?;
     if info.sensor != Some(sensor) {
         let found = info.sensor.map_or("unknown", Sensor::word).to_owned();
         return Err(Error::MapSensor { path: file.to_path_buf(), found, expected: sensor });
     }
-    Ok(map)
+    Ok((map, info))
 }
 
 /// Writes a map whole or not at all; returns the SHA-256 of its file, hexadecimal.

@@ -1,6 +1,5 @@
 //! The activation network of a run: which model, which library, how its maps choose features.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -91,5 +90,5 @@ pub fn load(options: &NetworkOptions, settings: &ExtractorConfig) -> Result<Netw
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, Error> {
-    fs::read(file).map_err(|reason| Error::unreadable(file, &reason))
+    io::read_file(file).map_err(|reason| Error::unreadable(file, &reason))
 }

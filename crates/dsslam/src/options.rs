@@ -32,17 +32,19 @@ pub struct SlamOptions {
 }
 
 impl SlamOptions {
-    /// Everything that a run needs beside its frames.
+    /// Everything that a run needs beside its frames; and the stamps of the start map, nanoseconds.
     ///
     /// # Errors
     /// A camera that nobody gives; a mask, network, vocabulary or start map that cannot be used.
-    pub(crate) fn setup(&self, intake: &Intake, schedule: Schedule) -> Result<Setup, Error> {
+    pub(crate) fn setup(&self, intake: &Intake, schedule: Schedule) -> Result<(Setup, Vec<i64>), Error> {
         let mut setup = intake.setup(&self.network)?;
         setup.schedule = self.schedule.unwrap_or(schedule);
         setup.vocabulary = Some(maps::vocabulary(self.vocabulary.as_deref())?);
         let sensor = intake.sequence.sensor;
-        setup.start = self.start_map.as_deref().map(|file| maps::load_map(file, sensor)).transpose()?;
+        let start = self.start_map.as_deref().map(|file| maps::open_map(file, sensor)).transpose()?;
+        let (map, info) = start.unzip();
+        setup.start = map;
         setup.slam.tracking.localize_only = self.localize_only;
-        Ok(setup)
+        Ok((setup, info.unwrap_or_default().stamps_ns))
     }
 }

@@ -23,6 +23,8 @@ pub struct SessionOptions {
 pub struct Session {
     input: Input,
     setup: Setup,
+    /// Stamps of the start map, nanoseconds.
+    map_stamps: Vec<i64>,
     notices: Vec<String>,
 }
 
@@ -60,8 +62,8 @@ impl Session {
         // What a camera delivers while tracking is behind would pile up.
         let schedule =
             if input.is_camera() { Schedule::Live { realtime: true } } else { Schedule::default() };
-        let setup = options.slam.setup(input.intake(), schedule)?;
-        Ok(Self { input, setup, notices })
+        let (setup, map_stamps) = options.slam.setup(input.intake(), schedule)?;
+        Ok(Self { input, setup, map_stamps, notices })
     }
 
     /// What is read, and the configuration in force.
@@ -120,6 +122,7 @@ impl Session {
     }
 
     fn finished(&self, outcome: Result<RunOutcome, RunError>) -> Result<Finished, Error> {
-        Ok(Finished::new(outcome?, self.input.intake(), &self.setup, self.input.clock().clone()))
+        let clock = self.input.clock().clone().with(self.map_stamps.iter().copied());
+        Ok(Finished::new(outcome?, self.input.intake(), &self.setup, clock))
     }
 }

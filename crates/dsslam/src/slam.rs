@@ -24,7 +24,9 @@ pub struct Slam {
     intake: Intake,
     setup: Setup,
     engine: Engine,
-    /// Times of the frames, nanoseconds.
+    /// Stamps of the start map, nanoseconds.
+    map_stamps: Vec<i64>,
+    /// Stamps of the frames, nanoseconds.
     stamps: Vec<i64>,
 }
 
@@ -71,9 +73,9 @@ impl Slam {
         let (sequence, size) = camera.into_parts();
         let name = sequence.name.clone();
         let intake = Intake::new(name.as_ref(), sequence, Some(size), config)?;
-        let setup = options.setup(&intake, Schedule::default())?;
+        let (setup, map_stamps) = options.setup(&intake, Schedule::default())?;
         let engine = Engine::start(&setup)?;
-        Ok(Self { intake, setup, engine, stamps: Vec::new() })
+        Ok(Self { intake, setup, engine, map_stamps, stamps: Vec::new() })
     }
 
     /// Takes the images of the next frame, which was seen `t_ns` nanoseconds after any fixed moment, and returns what tracking makes of
@@ -87,7 +89,7 @@ impl Slam {
     /// and the next one may come. [`Error::Stage`] when a stage has failed, which is a bug; [`Slam::finish`] gives what there was.
     pub fn track<'a>(&mut self, t_ns: i64, images: impl Into<Images<'a>>) -> Result<FrameAnswer, Error> {
         let refused = |problem| Error::Frame { t_ns, problem };
-        if let Some(last_ns) = self.stamps.last().copied().filter(|last| *last >= t_ns) {
+        if let Some(&last_ns) = self.stamps.last().filter(|last| **last >= t_ns) {
             return Err(refused(FrameProblem::Time { last_ns }));
         }
         let images = images.into();
@@ -106,16 +108,17 @@ impl Slam {
             }
         }
     }
+
     /// Lets all stages finish and returns the results: final poses, map, loops, statistics.
     ///
     /// # Errors
     /// A thread that could not be started.
     pub fn finish(self) -> Result<Finished, Error> {
-        let clock = Clock::of_stamps(self.stamps.into_iter());
         let outcome = match self.engine {
             Engine::Here(line) => line.finish(&mut Silent),
             Engine::Threads(threads) => threads.finish()?.0,
         };
+        let clock = Clock::of_stamps(self.stamps.iter().chain(&self.map_stamps).copied());
         Ok(Finished::new(outcome, &self.intake, &self.setup, clock))
     }
 

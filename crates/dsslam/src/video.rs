@@ -78,7 +78,11 @@ impl Stream {
     pub(crate) fn open(path: &Path) -> Result<Self, Error> {
         let name = path.display().to_string();
         let is_raw = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("y4m"));
-        let file = File::open(path).map_err(|reason| Error::unreadable(path, &reason))?;
+        let unreadable = |reason: std::io::Error| Error::unreadable(path, &reason);
+        if !is_camera(path) {
+            io::check_file(path).map_err(unreadable)?;
+        }
+        let file = File::open(path).map_err(unreadable)?;
         if is_raw {
             let stream: Box<dyn BufRead + Send> = Box::new(BufReader::new(file));
             return Ok(Self { reader: VideoReader::new(stream, &name)?, decoder: None });

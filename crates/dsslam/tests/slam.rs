@@ -269,6 +269,45 @@ fn a_saved_map_is_gone_on_with_or_localized_in() {
     assert_eq!(error, expected);
 }
 
+/// EuRoC's stamps have 19 digits, of which a double holds 16: also those of a map that was saved, loaded and resumed.
+#[test]
+fn stamps_out_equal_stamps_in() {
+    let config = config(&["input.scale=0.5"]);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("town.dsmap");
+    let run = |options: &SlamOptions, first_ns: i64, n: usize| {
+        let mut slam = Slam::with(&config, camera(), options).unwrap();
+        let stamps: Vec<i64> = (0..n).map(|i| first_ns + time_ns(i)).collect();
+        for (i, &t_ns) in stamps.iter().enumerate() {
+            slam.track(t_ns, (&DRIVE.left[i], &DRIVE.right[i])).unwrap();
+        }
+        (slam.finish().unwrap(), stamps)
+    };
+    let written = |done: &Finished| -> Vec<i64> {
+        let csv = folder.path().join("poses.csv");
+        io::write_euroc_at(&csv, &done.trajectory(), &done.clock).unwrap();
+        let text = std::fs::read_to_string(csv).unwrap();
+        text.lines().skip(1).map(|line| line.split(',').next().unwrap().parse().unwrap()).collect()
+    };
+    let of_map = || {
+        let (map, info) = map::file::decode(&std::fs::read(&file).unwrap()).unwrap();
+        let clock = io::Clock::of_stamps(info.stamps_ns.into_iter());
+        map.keyframes().map(|k| clock.nanoseconds(k.frame.timestamp_s)).collect::<Vec<i64>>()
+    };
+    let (done, stamps) = run(&SlamOptions::default(), 1_403_636_579_763_555_584, 4);
+    assert_eq!(written(&done), stamps);
+    done.save_map(&file).unwrap();
+    let saved = of_map();
+    assert!(!saved.is_empty() && saved.iter().all(|ns| stamps.contains(ns)), "{saved:?}");
+    let mut options = SlamOptions::default();
+    options.start_map = Some(file.clone());
+    let (done, later) = run(&options, 1_403_636_579_763_555_584 + 9_000_000_007, DRIVE.left.len());
+    done.save_map(&file).unwrap();
+    let saved = of_map();
+    assert!(saved.iter().any(|ns| later.contains(ns)), "it goes on");
+    assert!(saved.iter().all(|ns| stamps.contains(ns) || later.contains(ns)), "{saved:?}");
+}
+
 #[test]
 fn depth_in_meters_and_in_units_of_its_own_is_that_of_the_configuration() {
     let config = config(&["camera.depth_units_per_metre=128"]);

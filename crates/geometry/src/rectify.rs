@@ -48,6 +48,15 @@ pub enum RectificationError {
     },
     /// The turned cameras share no field of view.
     NoCommonView,
+    /// A lens whose coefficients fold its image back before it ends, so that pixels beyond have no ray.
+    Folded {
+        /// Which camera it is: 0, or 1 for the second one.
+        camera: usize,
+        /// Where it folds, pixels from the principal point.
+        radius_px: f64,
+        /// The farthest corner of the image, pixels from the principal point.
+        corner_px: f64,
+    },
 }
 
 impl fmt::Display for RectificationError {
@@ -69,6 +78,11 @@ impl fmt::Display for RectificationError {
             Self::NoCommonView => f.write_str(
                 "found cameras that look in different directions, expected a common field of view",
             ),
+            Self::Folded { radius_px, corner_px, .. } => write!(
+                f,
+                "found coefficients that fold the image back {radius_px:.0} px from the principal point, expected ones that hold \
+                 up to its corner, {corner_px:.0} px away; is it their order, the model or the image size?"
+            ),
         }
     }
 }
@@ -78,7 +92,8 @@ impl std::error::Error for RectificationError {}
 /// The rectification of two cameras with images of `(width, height)` pixels.
 ///
 /// # Errors
-/// [`RectificationError`] unless the right camera stands to the right of the left one and both look the same way.
+/// [`RectificationError`] unless the right camera stands to the right of the left one, both look the same way, and their lenses can be
+/// inverted.
 pub fn rectify_stereo(
     left: &CameraModel,
     right: &CameraModel,
@@ -99,7 +114,8 @@ pub fn rectify_stereo(
 /// empty pixels; its field of view is at most 120 degrees.
 ///
 /// # Errors
-/// [`RectificationError::NoCommonView`] when the axis of the camera is not in its image.
+/// [`RectificationError::NoCommonView`] when the axis of the camera is not in its image, [`RectificationError::Folded`] when its lens
+/// cannot be inverted.
 pub fn rectify_single(model: &CameraModel, size: (usize, usize)) -> Result<Pinhole, RectificationError> {
     filled_view(&[(model, SO3::identity())], size)
 }
@@ -124,10 +140,31 @@ fn filled_view(
     let mut scale = 0.0;
     for (model, turn) in views {
         let scale_of_view = smallest_scale(&inner_rectangle(model, turn, &size), focal, &center, &size);
-        scale = f64::max(scale, scale_of_view.ok_or(RectificationError::NoCommonView)?);
+        let failure = || {
+            let folded = |(camera, (model, _)): (usize, &(&CameraModel, SO3))| fold(model, camera, &size);
+            views.iter().enumerate().find_map(folded).unwrap_or(RectificationError::NoCommonView)
+        };
+        scale = f64::max(scale, scale_of_view.ok_or_else(failure)?);
     }
     let focal = focal * scale;
     Ok(Pinhole { fx: focal, fy: focal, cx: center.x, cy: center.y })
+}
+
+/// Where a lens folds its image back, if that is nearer than the farthest corner.
+fn fold(model: &CameraModel, camera: usize, size: &Vec2) -> Option<RectificationError> {
+    let Pinhole { fx, fy, cx, cy } = *model.pinhole();
+    let distance = |x: f64, y: f64| ((x - cx) / fx).hypot((y - cy) / fy);
+    let corners =
+        [distance(0.0, 0.0), distance(size.x, 0.0), distance(0.0, size.y), distance(size.x, size.y)];
+    let corner = corners.into_iter().fold(0.0, f64::max);
+    let (sine, cosine) = model.max_angle().sin_cos();
+    let last = model.project(&Vec3::new(sine, 0.0, cosine));
+    let radius = distance(last.x, last.y);
+    (radius < corner).then_some(RectificationError::Folded {
+        camera,
+        radius_px: radius * fx,
+        corner_px: corner * fx,
+    })
 }
 
 /// The turns of both cameras and the baseline.

@@ -135,23 +135,39 @@ pub(crate) fn read_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
     fs::read(path)
 }
 
-/// Whether a path is an ordinary file of an ordinary length.
+/// The bytes of a file of any length, such as a map; pipes, devices and folders are refused before anything is read.
 ///
 /// # Errors
 /// What the operating system says, or what the path is instead.
-pub(crate) fn check_regular(path: &Path) -> std::io::Result<()> {
+pub fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
+    check_file(path)?;
+    fs::read(path)
+}
+
+/// Whether a path is an ordinary file, and no pipe, device or folder; its length.
+///
+/// # Errors
+/// What the operating system says, or what the path is instead.
+pub fn check_file(path: &Path) -> std::io::Result<u64> {
     let data = fs::metadata(path)?;
     let refused = |what: &str| Err(std::io::Error::new(ErrorKind::InvalidInput, what.to_owned()));
     if data.is_dir() {
         return refused("it is a folder, expected a file");
     }
-    if !data.is_file() {
-        return refused("it is a pipe or a device, expected a file");
+    if data.is_file() { Ok(data.len()) } else { refused("it is a pipe or a device, expected a file") }
+}
+
+/// Whether a path is an ordinary file of an ordinary length.
+///
+/// # Errors
+/// What the operating system says, or what the path is instead.
+pub(crate) fn check_regular(path: &Path) -> std::io::Result<()> {
+    let length = check_file(path)?;
+    if length <= MOST_BYTES {
+        return Ok(());
     }
-    if data.len() > MOST_BYTES {
-        return refused(&format!("it has {} bytes, expected at most {MOST_BYTES}", data.len()));
-    }
-    Ok(())
+    let reason = format!("it has {length} bytes, expected at most {MOST_BYTES}");
+    Err(std::io::Error::new(ErrorKind::InvalidInput, reason))
 }
 
 /// UTF-8 or UTF-16 as text with `\n` at the ends of lines; bytes that are neither become U+FFFD.

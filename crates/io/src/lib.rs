@@ -20,14 +20,14 @@ pub use dataset::{
     RectifiedView, Sequence, SequenceKind, Times, Variant, VariantError, Video, associate, layout_of,
     open_cameras, open_sequence, open_sequence_with, open_video, read_calibration, seconds,
 };
-pub use file::{FileError, create_output_folder, write_atomic, write_durable};
+pub use file::{FileError, check_file, create_output_folder, read_file, write_atomic, write_durable};
 pub use geometry::Sensor;
 pub use images::{
     ImageError, ImageSize, LoadedFrame, Preview, Rgb, brightness, image_size, load_depth, load_frame,
     load_gray, load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
 };
 pub use trajectory::{
-    Clock, StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory, write_euroc,
-    write_kitti, write_tum, write_tum_at, write_vslamlab,
+    Clock, Stamp, StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory,
+    write_euroc, write_euroc_at, write_kitti, write_tum, write_tum_at, write_vslamlab,
 };
 pub use video::{VideoError, VideoFrame, VideoHeader, VideoReader};

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use dsslam::runtime::LoopResult;
-use dsslam::trajectories::{own_pose, pose_per_frame, tracked_poses};
+use dsslam::submaps::of_largest;
+use dsslam::trajectories::{own_pose, pose_per_frame};
 use dsslam::{FrameStatus, Sensor};
 use io::Trajectory;
 use numpy::{PyArray1, PyArray3};
@@ -91,6 +92,7 @@ impl Finished {
             let row = PyDict::new(py);
             row.set_item("index", frame.index)?;
             row.set_item("time_s", frame.timestamp_s)?;
+            row.set_item("t_ns", self.done.clock.nanoseconds(frame.timestamp_s))?;
             row.set_item("state", frame.status.state().key())?;
             row.set_item("reason", frame.status.reason())?;
             row.set_item("inliers", frame.status.inliers())?;
@@ -150,12 +152,14 @@ impl Finished {
 
     #[pyo3(signature = (file, format="tum", *, body=false))]
     fn save_trajectory(&self, file: PathBuf, format: &str, body: bool) -> PyResult<()> {
-        let frames = &self.done.outcome.frames;
+        let clock = &self.done.clock;
         match format {
-            "tum" if body => io::write_tum(&file, &self.poses(true)).map_err(raised),
-            "tum" => io::write_tum(&file, &tracked_poses(frames)).map_err(raised),
-            "kitti" if !body => io::write_kitti(&file, &pose_per_frame(frames)).map_err(raised),
-            "euroc" => io::write_euroc(&file, &self.poses(body)).map_err(raised),
+            "tum" => io::write_tum_at(&file, &self.poses(body), clock).map_err(raised),
+            "kitti" if !body => {
+                let frames = of_largest(&self.done.outcome.frames);
+                io::write_kitti(&file, &pose_per_frame(&frames)).map_err(raised)
+            }
+            "euroc" => io::write_euroc_at(&file, &self.poses(body), clock).map_err(raised),
             "kitti" => Err(PyValueError::new_err("body: KITTI's format has poses of the camera only")),
             _ => Err(PyValueError::new_err(format!(
                 "format: found {format:?}, expected \"tum\", \"kitti\" or \"euroc\""

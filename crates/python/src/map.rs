@@ -47,7 +47,7 @@ impl Map {
     fn load(py: Python<'_>, file: PathBuf) -> PyResult<Self> {
         py.detach(|| {
             let bytes =
-                std::fs::read(&file).map_err(|error| raised(format!("{}: {error}", file.display())))?;
+                io::read_file(&file).map_err(|error| raised(format!("{}: {error}", file.display())))?;
             let (map, _) =
                 map::file::decode(&bytes).map_err(|error| raised(format!("{}: {error}", file.display())))?;
             Ok(Self(map))

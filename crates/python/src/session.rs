@@ -48,6 +48,7 @@ pub(crate) fn chosen(
 struct Telling<'a> {
     observer: &'a Py<PyAny>,
     narrator: Narrator,
+    clock: &'a io::Clock,
     stop: &'a AtomicBool,
     raised: Option<PyErr>,
 }
@@ -64,7 +65,7 @@ impl Observer for Telling<'_> {
                 self.observer.call1(py, (event, text))?;
             }
             if let Event::Frame(answer) = event {
-                let t_ns = (answer.timestamp_s * 1e9).round() as i64;
+                let t_ns = self.clock.nanoseconds(answer.timestamp_s);
                 self.observer.call1(py, ("frame", frame::Result::new(answer.as_ref().clone(), t_ns)))?;
             }
             PyResult::Ok(())
@@ -137,6 +138,7 @@ pub(crate) fn run(
             telling: observer.as_ref().map(|observer| Telling {
                 observer,
                 narrator: Narrator::default(),
+                clock: session.input().clock(),
                 stop: &stop,
                 raised: None,
             }),

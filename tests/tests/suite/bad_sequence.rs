@@ -136,3 +136,24 @@ fn a_sensor_that_the_folder_does_not_have_is_refused() {
         &format!("error: {path}: sensor rgbd is not possible here: KITTI folders contain no depth images"),
     );
 }
+
+/// Situation: a named pipe or a device where a file is expected; a map, a vocabulary, a journal and a video waited for ever.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_in_the_place_of_files_are_refused_at_once() {
+    let copy = Copy::of_first(1);
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.y4m");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for option in ["--load-map", "--vocab", "--ground-truth", "--calib", "--config"] {
+        let call = copy.run(&[option, text(&pipe)]);
+        let place = text(&pipe);
+        let is_told = call.stderr.contains(place)
+            && (call.stderr.contains("it is a pipe or a device") || call.stderr.contains("no such file"));
+        assert!(is_told && (call.code == 2 || option == "--ground-truth"), "{option}: {call}");
+        let _ = std::fs::remove_dir_all(copy.results());
+    }
+    dsslam(&["run", text(&pipe)]).expect(2, &format!("error: {}: not a folder", text(&pipe)));
+    let call = dsslam(&["export", "/dev/zero", "--to", "ply", "--out", text(&folder.path().join("a.ply"))]);
+    assert!(call.code == 2 && call.stderr.starts_with("error: /dev/zero: cannot be read"), "{call}");
+}

@@ -50,7 +50,7 @@ pub(super) fn records(folder: &Path, map: Option<&Path>) -> Result<Vec<Record>> 
     place_submaps(folder, &rows, &mut poses)?;
     let mut records = vec![Record::Start(start(folder, &summary, &rows)?)];
     if let Some(file) = map {
-        let bytes = fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+        let bytes = io::read_file(file).with_context(|| format!("{}: cannot be read", file.display()))?;
         let (map, _) = map::file::decode(&bytes).with_context(|| file.display().to_string())?;
         let first = rows.first().map_or(0, |row| row.index);
         records.push(Record::Map(DeltaTracker::new(DeltaOptions::default()).finish(&map, first)));
@@ -203,7 +203,8 @@ fn stages(folder: &Path) -> Result<BTreeMap<u32, Vec<StageTime>>> {
 
 fn read(folder: &Path, name: &str) -> Result<String> {
     let path = folder.join(name);
-    fs::read_to_string(&path)
+    io::check_file(&path)
+        .and_then(|_| fs::read_to_string(&path))
         .with_context(|| format!("{}: cannot be read; `dsslam run` writes it", path.display()))
 }
 

@@ -9,7 +9,9 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use features::{ExtractorConfig, StereoConfig};
-use io::{CameraSettings, ConfigErrors, ConfigSource, Explained, InputSettings, Origins, Provenance};
+use io::{
+    CameraSettings, ConfigErrors, ConfigSource, Explained, InputSettings, Origins, Problem, Provenance,
+};
 use runtime::Lags;
 use serde::{Deserialize, Serialize};
 use settings::{Entry, Section, integer};
@@ -95,7 +97,10 @@ impl Config {
                 None if preset::is_name(path) => Err(preset::unknown(path)),
                 None => Self::of(Some(ConfigSource::File(path)), overrides),
             },
-            None => Self::of(path.map(ConfigSource::File), overrides),
+            None => {
+                let read = Self::of(path.map(ConfigSource::File), overrides);
+                read.map_err(|errors| path.and_then(calibration).unwrap_or(errors))
+            }
         }
     }
 
@@ -128,4 +133,15 @@ impl Config {
     pub fn to_yaml(&self) -> String {
         io::to_yaml("Complete configuration, as in force.", &self.explain())
     }
+}
+
+/// What is wrong with a file that holds a calibration of cameras and no configuration; `None` for any other file.
+fn calibration(file: &Path) -> Option<ConfigErrors> {
+    /// Formats that look like the section `camera` of a configuration.
+    const ALIKE: [&str; 2] = ["Replica cam_params.json", "intrinsics"];
+    let format = io::read_calibration(file).ok()?.format;
+    let place = Provenance::File { path: file.to_path_buf(), line: 0, column: 0 };
+    let found = format!("a calibration of cameras ({format})");
+    let problem = Problem::new(&place, "", found, "a configuration; --calib reads this file");
+    (!ALIKE.contains(&format)).then(|| ConfigErrors(vec![problem]))
 }

@@ -17,10 +17,14 @@ const RGBD_DEPTH_M: [f64; 2] = [0.25, 6.0];
 const RGBD_ENDS_M: [f64; 2] = [0.4, 3.0];
 /// Median depth of two cameras, meters.
 const STEREO_DEPTH_M: [f64; 2] = [0.1, 200.0];
+const NO_DEPTH: &str = "the depth images hold no depth (0, or beyond the 32 m that are read where they are floats in meters: are they in \
+                        millimeters?)";
 /// Matches that tell something of a pair of images.
 const MIN_MATCHES: usize = 60;
 /// Share of matches that must lie on their row, and of those that make a common offset; rectified images have 0.9 and more.
 const ON_ROW: f64 = 0.6;
+/// Share of matches on their rows that makes two views of the halves of an image.
+const ALIKE: f64 = 0.7;
 /// How many times more matches a neighboring right image must have on the rows.
 const BETTER: f64 = 1.3;
 /// How many times more disparities must be negative than positive.
@@ -35,6 +39,7 @@ pub(super) fn doubts(facts: &Facts) -> Vec<Doubt> {
     let mut found: Vec<Doubt> = blank(left_name, &left).into_iter().chain(blank("right", &right)).collect();
     let is_blank = !found.is_empty();
     found.extend(depth(facts));
+    found.extend(side_by_side(&sights.iter().filter_map(|sight| sight.halves.as_ref()).collect::<Vec<_>>()));
     let pairings: Vec<&Pairing> = sights.iter().filter_map(|sight| sight.pairing.as_ref()).collect();
     // What cannot be seen cannot be on the wrong row either.
     if !is_blank {
@@ -77,7 +82,7 @@ fn depth(facts: &Facts) -> Option<Doubt> {
     let Some([near, median, far]) = spread_m(&facts.sights).filter(|_| is_rgbd || n_depths >= MIN_MATCHES)
     else {
         let nothing = is_rgbd && !facts.sights.is_empty();
-        return if nothing { doubt("depth", "the depth images hold no depth".to_owned()) } else { None };
+        return if nothing { doubt("depth", NO_DEPTH.to_owned()) } else { None };
     };
     let is_room = !is_rgbd || far >= RGBD_ENDS_M[0] && near <= RGBD_ENDS_M[1];
     if (least..=most).contains(&median) && is_room {
@@ -99,6 +104,20 @@ fn depth(facts: &Facts) -> Option<Doubt> {
         )
     };
     doubt("depth", text)
+}
+
+/// Both halves of the images of one camera show the same on the same rows.
+fn side_by_side(halves: &[&Pairing]) -> Option<Doubt> {
+    let (matches, on_row): (usize, usize) =
+        (halves.iter().map(|p| p.matches).sum(), halves.iter().map(|p| p.on_row).sum());
+    if matches < MIN_MATCHES || (on_row as f64) < ALIKE * matches as f64 {
+        return None;
+    }
+    let text = format!(
+        "the images hold two views side by side: {on_row} of {matches} corners of the left half are found again on their row in the right \
+         half; the calibration of both cameras, for images of half the width, makes a stereo run of them"
+    );
+    doubt("side_by_side", text)
 }
 
 fn pairing(all: &[&Pairing]) -> Option<Doubt> {

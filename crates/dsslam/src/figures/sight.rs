@@ -1,6 +1,6 @@
 //! A look at a few frames: brightness, corners, depth, and whether left and right images show the same rows at the same moment.
 
-use features::{Extractor, ExtractorConfig, Features, SelectionRule, match_brute_force};
+use features::{Extractor, ExtractorConfig, Features, Keypoint, SelectionRule, match_brute_force};
 use geometry::{DepthImage, GrayImage};
 use io::LoadedFrame;
 use runtime::{FrameFeed, Setup};
@@ -20,6 +20,8 @@ const ROW_PX: f32 = 2.5;
 const SIGN_PX: f32 = 0.5;
 /// Pixels between samples of a depth image.
 const DEPTH_STEP: usize = 8;
+/// Width over height from which an image of one camera may hold two.
+const WIDE: usize = 2;
 /// Share of matches on their rows below which the neighboring right images are looked at, too.
 const SUSPICIOUS: f64 = 0.8;
 
@@ -29,6 +31,8 @@ pub(super) struct Sight {
     pub(super) left: Look,
     pub(super) right: Option<Look>,
     pub(super) pairing: Option<Pairing>,
+    /// Of a wide image of one camera: its left half as a left image, its right half as a right one.
+    pub(super) halves: Option<Pairing>,
     /// Depths seen, meters.
     pub(super) depths_m: Vec<f64>,
     /// Share of the depth image that holds a depth.
@@ -105,6 +109,10 @@ impl Sight {
             let (depths_m, share) = sampled(depth, setup.depth.units_per_meter);
             (sight.depths_m, sight.with_depth) = (depths_m, Some(share));
         }
+        if frame.right.is_none() && frame.depth.is_none() && frame.left.width >= WIDE * frame.left.height {
+            let [first, second] = halves(&left, frame.left.width / 2);
+            sight.halves = Some(Pairing::of(&first, &second).0);
+        }
         sight
     }
 }
@@ -152,6 +160,18 @@ impl Pairing {
     pub(super) fn share(&self) -> f64 {
         if self.matches == 0 { 1.0 } else { self.on_row as f64 / self.matches as f64 }
     }
+}
+
+/// Features of the left and of the right half of an image, places counted from the edge of each.
+fn halves(all: &Features, half: usize) -> [Features; 2] {
+    [false, true].map(|is_right| {
+        let edge = half as f32;
+        let of_half = |keypoint: &Keypoint| (keypoint.x >= edge) == is_right;
+        let both = all.keypoints.iter().zip(&all.descriptors).filter(|(keypoint, _)| of_half(keypoint));
+        let moved = |k: &Keypoint| Keypoint { x: if is_right { k.x - edge } else { k.x }, ..*k };
+        let (keypoints, descriptors) = both.map(|(k, descriptor)| (moved(k), *descriptor)).unzip();
+        Features { keypoints, descriptors }
+    })
 }
 
 /// Depths of a grid of pixels, meters, and the share of them that have one.

@@ -23,7 +23,8 @@ fn pairing(n: usize, disparity: f32, rows: f32) -> Pairing {
 fn sight() -> Sight {
     let look = Look { brightness: 95.0, corners: 1000 };
     let pairing = Some(pairing(400, 30.0, 0.3));
-    Sight { left: look, right: Some(look), pairing, depths_m: [8.0, 20.0, 70.0].repeat(9), with_depth: None }
+    let depths_m = [8.0, 20.0, 70.0].repeat(9);
+    Sight { left: look, right: Some(look), pairing, halves: None, depths_m, with_depth: None }
 }
 
 /// What a good stereo sequence says.
@@ -157,7 +158,7 @@ fn depths_that_no_depth_camera_sees_are_doubted() {
     }
     let mut empty = desk();
     empty.sights.iter_mut().for_each(|sight| sight.depths_m.clear());
-    assert_eq!(only(&empty, "depth"), "the depth images hold no depth");
+    assert!(only(&empty, "depth").starts_with("the depth images hold no depth (0, or beyond the 32 m"));
 }
 
 #[test]
@@ -207,6 +208,22 @@ fn pairs_that_are_not_rectified_exchanged_or_late_are_doubted() {
     let late = Pairing { neighbors: Some([40, 380]), ..Pairing::of_shifts(&spread).0 };
     let text = only(&with(late), "right_late");
     assert!(text.ends_with("the right camera is late"), "{text}");
+}
+
+/// Frames of a ZED with the calibration of one camera.
+#[test]
+fn two_views_in_the_images_of_one_camera_are_told() {
+    let with = |halves: Pairing| {
+        let sight =
+            Sight { right: None, pairing: None, halves: Some(halves), depths_m: Vec::new(), ..sight() };
+        Facts { sensor: Sensor::Mono, sights: vec![sight; 5], ..good() }
+    };
+    let text = only(&with(pairing(200, 20.0, 0.5)), "side_by_side");
+    assert!(text.contains("1000 of 1000 corners of the left half"), "{text}");
+    // A wide street: few matches, and those anywhere.
+    assert_eq!(rules_of(&with(pairing(10, 20.0, 0.5))), [""; 0]);
+    let spread: Vec<(f32, f32)> = (0..200).map(|i| (30.0, i as f32 - 100.0)).collect();
+    assert_eq!(rules_of(&with(Pairing::of_shifts(&spread).0)), [""; 0]);
 }
 
 /// Resuming from the map of another car was accepted in silence.

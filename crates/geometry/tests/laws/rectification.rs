@@ -3,8 +3,8 @@
 use crate::camera_models::{EUROC_LEFT, TUM_VI_LEFT};
 use crate::support::{generator, random_vec3};
 use dsslam_geometry::{
-    CameraModel, Distortion, Pinhole, RectificationError, SE3, SO3, StereoRectification, Vec2, Vec3,
-    rectify_single, rectify_stereo,
+    CameraModel, Distortion, Pinhole, Rational, RectificationError, SE3, SO3, StereoRectification, Vec2,
+    Vec3, rectify_single, rectify_stereo,
 };
 
 const SIZE: (usize, usize) = (752, 480);
@@ -147,4 +147,19 @@ fn faults_of_the_rig_are_told() {
     ] {
         assert_eq!(error.to_string(), text);
     }
+}
+
+/// Eight coefficients of another image: the message named cameras that look in different directions.
+#[test]
+fn a_lens_that_folds_its_image_back_is_told_with_the_place() {
+    let camera = Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 };
+    let upper = Distortion { k1: 0.1, k2: -0.2, p1: 0.0, p2: 0.0, k3: 0.01 };
+    let model = CameraModel::Rational(Rational { camera, upper, lower: [0.2, 0.1, 0.02] });
+    let error = rectify_single(&model, (1226, 370)).unwrap_err();
+    let RectificationError::Folded { camera: 0, radius_px, corner_px } = error else { panic!("{error}") };
+    // Along a row, the image is farthest out where the lens folds.
+    let along = (1..2000).map(|i| model.project(&Vec3::new(f64::from(i) * 1e-3, 0.0, 1.0)).x - camera.cx);
+    assert!((along.fold(0.0, f64::max) - radius_px).abs() < 0.01, "{radius_px}");
+    assert!((corner_px - (1226.0_f64 - 601.8873).hypot(370.0 - 183.1104)).abs() < 1e-9);
+    assert!(error.to_string().starts_with("found coefficients that fold the image back 49"), "{error}");
 }

@@ -41,6 +41,12 @@ pub(super) fn resolve<T: Default + Serialize + DeserializeOwned>(
     Ok((build(keys, &chosen)?, origins))
 }
 
+/// Keys of older configurations, with what took their place.
+const GONE: [(&str, &str); 1] = [(
+    "stereo.calibration_frames",
+    "the calibration is refined within the run (mapping.refine_calibration), leave it out",
+)];
+
 /// The entry that a given value sets; `None` for a section that is empty.
 fn check<'a>(keys: &'a [Entry], given: &Given) -> Result<Option<&'a Entry>, Problem> {
     if let Some(entry) = keys.iter().find(|entry| entry.key == given.key) {
@@ -62,6 +68,10 @@ fn check<'a>(keys: &'a [Entry], given: &Given) -> Result<Option<&'a Entry>, Prob
     let inside = |entry: &&Entry| given.key.starts_with(&format!("{}.", entry.key));
     if let Some(entry) = keys.iter().find(inside) {
         return Err(Problem::new(&given.place, entry.key, "a section", &entry.expectation()));
+    }
+    if let Some((_, instead)) = GONE.iter().find(|(key, _)| *key == given.key) {
+        let message = format!("this key is gone: {instead}");
+        return Err(Problem { place: given.place.clone(), key: given.key.clone(), message });
     }
     let message = match suggest::find_nearest(&given.key, keys.iter().map(|entry| entry.key)) {
         Some(nearest) => format!("unknown key, did you mean {nearest}?"),

@@ -23,8 +23,11 @@ pub(super) fn read_file(path: &Path, problems: &mut Vec<Problem>) -> Vec<Given> 
         Err(error) => {
             // The error names the file itself.
             let message = error.to_string();
-            let message =
-                message.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&message).to_string();
+            let message = message
+                .strip_prefix(&format!("{}:", path.display()))
+                .unwrap_or(&message)
+                .trim_start()
+                .to_string();
             problems.push(Problem { place: whole, key: String::new(), message });
             return Vec::new();
         }

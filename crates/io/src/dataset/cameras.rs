@@ -74,7 +74,11 @@ impl Cameras {
         }
         let size = (left.size.width, left.size.height);
         let right_from_left = right.body_from_cam.inverse() * left.body_from_cam;
-        let refused = |error| failure(origin.right, origin.pose_field, error);
+        let refused = |error| match error {
+            RectificationError::Folded { camera: 0, .. } => failure(origin.left, &lens(&left.model), error),
+            RectificationError::Folded { .. } => failure(origin.right, &lens(&right.model), error),
+            _ => failure(origin.right, origin.pose_field, error),
+        };
         let StereoRectification { rectified_from_left, rectified_from_right, rig } =
             rectify_stereo(&left.model, &right.model, size, &right_from_left).map_err(refused)?;
         let body_from_left = left.body_from_cam * turn(&rectified_from_left).inverse();
@@ -96,8 +100,11 @@ impl Cameras {
             CameraModel::Pinhole { camera: pinhole, distortion } => (pinhole, distortion, Vec::new()),
             CameraModel::KannalaBrandt(_) | CameraModel::Rational(_) => {
                 let size = (camera.size.width, camera.size.height);
-                let new = rectify_single(&camera.model, size)
-                    .map_err(|error| failure(file, "intrinsics", error))?;
+                let refused = |error| match error {
+                    RectificationError::Folded { .. } => failure(file, &lens(&camera.model), error),
+                    _ => failure(file, "intrinsics", error),
+                };
+                let new = rectify_single(&camera.model, size).map_err(refused)?;
                 (new, Distortion::default(), vec![view(&camera, SO3::identity())])
             }
         };
@@ -124,6 +131,11 @@ fn rectified_already(left: &RawCamera, right: &RawCamera) -> Option<StereoRig> {
         && along_x.y == 0.0
         && along_x.z == 0.0;
     is_rig.then_some(StereoRig { camera, baseline_m: -along_x.x })
+}
+
+/// A lens as messages name it.
+fn lens(model: &CameraModel) -> String {
+    format!("lens `{model}`")
 }
 
 fn failure(path: &Path, field: &str, error: RectificationError) -> DatasetError {

@@ -131,9 +131,9 @@ pub enum DatasetError {
     /// The cameras of a calibration cannot be rectified.
     #[error("{}: {field}: {error}", path.display())]
     Rectification {
-        /// The calibration file of the right camera.
+        /// The calibration file of the right camera, or of that with a lens that cannot be inverted.
         path: PathBuf,
-        /// The field with the right camera's place.
+        /// The field with the right camera's place, or the lens.
         field: String,
         /// Why.
         error: RectificationError,

@@ -12,7 +12,8 @@ use super::given::{Given, Own};
 use super::layout::SequenceKind;
 use super::numbered::NumberedImages;
 use super::{
-    DatasetError, FrameSource, OpenOptions, RawCamera, Sensor, Sequence, folder_name, oxts, stamps, truth,
+    DatasetError, FrameSource, OpenOptions, RawCamera, Sensor, Sequence, Times, folder_name, oxts, stamps,
+    truth,
 };
 use crate::file::{FileError, counted};
 use crate::images::image_size;
@@ -120,7 +121,12 @@ pub(super) fn open(
     let images = choose_images(variant, options.sensor, &mut warnings)?;
     let (folder, _) = images.pair.folders[0].split_once('/').unwrap_or((".", ""));
     let times_file = variant.file(&["times.txt", "timestamps.txt", &format!("{folder}/timestamps.txt")]);
-    let times_ns = stamps::read_list(&times_file)?;
+    let are_invented = variant.kind != SequenceKind::Kitti && !times_file.exists();
+    let times_ns = if are_invented {
+        invented_times(&images, options.frame_rate_hz)
+    } else {
+        stamps::read_list(&times_file)?
+    };
     let first = first_number(&images, times_ns.len());
     let n_frames = count_frames(root, &times_file, &images, first as usize + times_ns.len(), &mut warnings)?;
     let eyes = read_cameras(variant, &images, (options.sensor, given), &mut warnings)?;
@@ -143,9 +149,16 @@ pub(super) fn open(
         frames,
         ground_truth,
         body_from_left,
+        times: if are_invented { Times::Invented } else { Times::Given },
         warnings,
         ..Sequence::new(folder_name(root), variant.kind, eyes.sensor).seen_by(eyes.cameras)
     })
+}
+
+/// Times at an even rate for all numbers of the left images, of a raw drive that was laid out without its lists.
+fn invented_times(images: &Images, rate_hz: f64) -> Vec<i64> {
+    let (first, last) = (images.left.first().unwrap_or(0), images.left.last().unwrap_or(0));
+    (0..=last - first).map(|i| stamps::nanoseconds(f64::from(i) / rate_hz)).collect()
 }
 
 /// The number of the first image, where there are as many times as numbers from it on; else 0.

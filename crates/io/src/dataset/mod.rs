@@ -268,13 +268,20 @@ fn check_folder(dir: &Path) -> Result<(), DatasetError> {
         reason: reason.to_string(),
     };
     match std::fs::metadata(dir) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            Err(DatasetError::MissingFolder { path })
-        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(missing(path)),
         Err(error) => Err(unreadable(error).into()),
         Ok(data) if !data.is_dir() => Err(DatasetError::NotAFolder { path }),
         Ok(_) => std::fs::read_dir(dir).map(|_| ()).map_err(|error| unreadable(error).into()),
     }
+}
+
+/// The error of a path where nothing is: a file, if its name ends as one.
+fn missing(path: PathBuf) -> DatasetError {
+    if path.extension().is_none() {
+        return DatasetError::MissingFolder { path };
+    }
+    let expected = "a folder of images, a video or a bag".to_owned();
+    FileError::Missing { path, expected }.into()
 }
 
 /// The last part of a folder's path, also when it is given as `.` or ends in `..`.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::associate::associate;
 use super::given::Given;
 use super::layout::SequenceKind;
-use super::stamps::{Order, of_field, seconds};
+use super::stamps::{Order, of_field, of_name, seconds};
 use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, folder_name, truth};
 use crate::file::{FileError, Line, TextFile, counted};
 use crate::images::image_size;
@@ -159,6 +159,12 @@ fn read_entry(line: &Line<'_>) -> Result<Entry, FileError> {
         [time, _, ..] => {
             let ns = of_field(line, time)?;
             let name = text.trim_start().strip_prefix(time).unwrap_or_default().trim();
+            Ok(Entry { ns, path: name.into(), depth: None })
+        }
+        // A name that is a time.
+        [name] => {
+            let stem = Path::new(name).file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+            let ns = of_name(stem).ok_or_else(|| line.error("1 field", EXPECTED))?;
             Ok(Entry { ns, path: name.into(), depth: None })
         }
         _ => Err(line.error(counted(fields.len(), "field"), EXPECTED)),

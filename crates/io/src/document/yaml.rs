@@ -23,6 +23,10 @@ pub(crate) fn parse(text: &str) -> Result<Node, SyntaxError> {
             // The position is told apart.
             let position = format!(" at line {line}, column {column}");
             let message = message.strip_suffix(&position).unwrap_or(&message).to_owned();
+            // The library's words are for its callers.
+            let is_several = message.starts_with("multiple YAML documents");
+            let message =
+                if is_several { "a second document begins, expected one".to_owned() } else { message };
             Err(SyntaxError { line, column, format: "YAML", message })
         }
     }

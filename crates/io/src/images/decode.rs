@@ -218,9 +218,26 @@ fn name(format: ImageFormat) -> &'static str {
     }
 }
 
-/// The first bytes of a file that is not an image, as text where they are text.
+/// How files begin that people take for images that are read, with what they are.
+const OTHERS: [(usize, &[u8], &str); 8] = [
+    (0, b"version https://git-lfs", "a Git LFS pointer (git lfs pull fetches the file)"),
+    (0, b"<!DOCTYPE", "a web page (a download that failed?)"),
+    (0, b"<html", "a web page (a download that failed?)"),
+    (0, b"\x76\x2f\x31\x01", "OpenEXR, which is not read (16-bit PNG and float TIFF are)"),
+    (0, b"GIF8", "GIF, which is not read"),
+    (0, b"\xff\x0a", "JPEG XL, which is not read"),
+    (4, b"JXL ", "JPEG XL, which is not read"),
+    (4, b"ftyp", "HEIC, AVIF or a video, which are not read as images"),
+];
+
+/// The first bytes of a file that is not an image: what they stand for where that is known, as text where they are text.
 fn describe_head(head: &[u8]) -> String {
     const SHOWN_BYTES: usize = 16;
+    let known =
+        OTHERS.iter().find(|(at, mark, _)| head.get(*at..).is_some_and(|rest| rest.starts_with(mark)));
+    if let Some((_, _, what)) = known {
+        return (*what).to_owned();
+    }
     let head = &head[..head.len().min(SHOWN_BYTES)];
     match std::str::from_utf8(head) {
         Ok(text) if text.chars().all(|c| !c.is_control() || c.is_whitespace()) => {

@@ -75,7 +75,7 @@ fn meters(path: &Path, bytes: &[u8]) -> Result<Option<(ImageSize, Vec<f32>)>, Im
         let array = numpy(bytes).ok_or_else(|| {
             broken(
                 "NumPy",
-                "expected rows of little-endian 32-bit floats (descr <f4, two dimensions)".to_owned(),
+                "expected rows of little-endian floats (descr <f4 or <f8, height and width)".to_owned(),
             )
         })?;
         return Ok(Some(array));
@@ -99,7 +99,7 @@ fn meters(path: &Path, bytes: &[u8]) -> Result<Option<(ImageSize, Vec<f32>)>, Im
     }
 }
 
-/// A NumPy array of two dimensions with little-endian 32-bit floats, row by row.
+/// A NumPy array of height and width (and one channel) with little-endian floats of 32 or 64 bits, row by row.
 fn numpy(bytes: &[u8]) -> Option<(ImageSize, Vec<f32>)> {
     let is_first = *bytes.get(6)? == 1;
     let (length, start): (usize, usize) = if is_first {
@@ -115,12 +115,21 @@ fn numpy(bytes: &[u8]) -> Option<(ImageSize, Vec<f32>)> {
         .filter(|s| !s.trim().is_empty())
         .map(|s| s.trim().parse().ok())
         .collect::<Option<_>>()?;
-    let [height, width] = sides[..] else { return None };
-    let is_plain = after("descr")?.starts_with("<f4") && after("fortran_order")?.starts_with("False");
+    let ([height, width] | [height, width, 1]) = sides[..] else { return None };
+    let is_wide = after("descr")?.starts_with("<f8");
+    let is_plain =
+        (is_wide || after("descr")?.starts_with("<f4")) && after("fortran_order")?.starts_with("False");
     let data = bytes.get(start + length..)?;
-    let fits = is_plain && data.len() == width.checked_mul(height)?.checked_mul(4)?;
-    let values = data.as_chunks::<4>().0.iter().map(|&four| f32::from_le_bytes(four));
-    fits.then(|| (ImageSize { width, height }, values.collect()))
+    let n_bytes = width.checked_mul(height)?.checked_mul(if is_wide { 8 } else { 4 })?;
+    if !is_plain || data.len() != n_bytes {
+        return None;
+    }
+    let values = if is_wide {
+        data.as_chunks::<8>().0.iter().map(|&eight| f64::from_le_bytes(eight) as f32).collect()
+    } else {
+        data.as_chunks::<4>().0.iter().map(|&four| f32::from_le_bytes(four)).collect()
+    };
+    Some((ImageSize { width, height }, values))
 }
 
 #[cfg(test)]
@@ -147,10 +156,24 @@ mod tests {
         let values = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
         assert_eq!(numpy(&file(header, &values)), Some((ImageSize { width: 3, height: 2 }, values.to_vec())));
         for (piece, other) in
-            [("<f4", "<f8"), ("False", "True"), ("(2, 3)", "(6,)"), ("(2, 3)", "(99999999999, 99999999999)")]
+            [("<f4", "<f2"), ("False", "True"), ("(2, 3)", "(6,)"), ("(2, 3)", "(99999999999, 99999999999)")]
         {
             assert_eq!(numpy(&file(&header.replace(piece, other), &values)), None, "{other}");
         }
         assert_eq!(numpy(&file(header, &values)[..40]), None);
+        // Three doubles in six floats' place; one channel.
+        let [low, high] = 2.5_f64
+            .to_le_bytes()
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .map(|&b| f32::from_le_bytes(b))
+            .collect::<Vec<_>>()[..]
+        else {
+            panic!("two halves")
+        };
+        let wide = header.replace("<f4", "<f8").replace("(2, 3)", "(1, 3, 1)");
+        let three = [low, high].repeat(3);
+        assert_eq!(numpy(&file(&wide, &three)), Some((ImageSize { width: 3, height: 1 }, vec![2.5; 3])));
     }
 }

@@ -87,6 +87,9 @@ impl ImageError {
             Some(note) => format!(
                 "{because}; the file has the EXIF note that it is to be shown {note}, which is not done here: turn the images first"
             ),
+            None if found.width == 2 * expected.width && found.height == expected.height => format!(
+                "{because}; it is twice as wide: two views side by side need the calibration of both cameras"
+            ),
             None => because.to_owned(),
         };
         Self::WrongSize { path: path.to_path_buf(), found, expected, because }

@@ -12,8 +12,9 @@ pub struct Clock {
     times: Vec<(f64, i64)>,
 }
 
-/// Seconds with nine decimals.
-pub(super) struct Stamp(i64);
+/// A time that is written as seconds with nine decimals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stamp(i64);
 
 impl Clock {
     /// The clock of these frames.
@@ -23,9 +24,25 @@ impl Clock {
 
     /// The clock of these stamps, nanoseconds.
     pub fn of_stamps(stamps: impl Iterator<Item = i64>) -> Self {
-        let mut times: Vec<(f64, i64)> = stamps.map(|ns| (seconds(ns), ns)).collect();
-        times.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self { times }
+        Self::default().with(stamps)
+    }
+
+    /// The clock that knows these stamps too, nanoseconds.
+    #[must_use]
+    pub fn with(mut self, stamps: impl Iterator<Item = i64>) -> Self {
+        self.times.extend(stamps.map(|ns| (seconds(ns), ns)));
+        self.times.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self
+    }
+
+    /// The nanoseconds of those of these times, seconds, that a double does not tell; in order, each once. They make a clock for the
+    /// same times where only doubles are kept.
+    pub fn beyond_doubles(&self, times_s: impl Iterator<Item = f64>) -> Vec<i64> {
+        let stamps = times_s.map(|time| (self.nanoseconds(time), nanoseconds(time)));
+        let mut beyond: Vec<i64> = stamps.filter(|(ns, nearest)| ns != nearest).map(|(ns, _)| ns).collect();
+        beyond.sort_unstable();
+        beyond.dedup();
+        beyond
     }
 
     /// The nanoseconds of a frame's time in seconds; of any other time the nearest ones.
@@ -35,7 +52,7 @@ impl Clock {
     }
 
     /// The time as text.
-    pub(super) fn stamp(&self, timestamp_s: f64) -> Stamp {
+    pub fn stamp(&self, timestamp_s: f64) -> Stamp {
         Stamp(self.nanoseconds(timestamp_s))
     }
 }
@@ -65,5 +82,18 @@ mod tests {
             [clock.stamp(0.25).to_string(), clock.stamp(-1.5).to_string()],
             ["0.250000000", "-1.500000000"]
         );
+    }
+
+    /// A map keeps seconds as doubles; the digits that they lose lie beside them.
+    #[test]
+    fn what_doubles_lose_is_kept_beside_them() {
+        let stamps = [1_403_636_579_763_555_584, 103_622_400, 1_305_031_452_791_720_000];
+        let seconds: Vec<f64> = stamps.iter().map(|&ns| super::seconds(ns)).collect();
+        let clock = Clock::of_stamps(stamps.into_iter());
+        let beyond = clock.beyond_doubles(seconds.iter().chain(&seconds[..1]).copied());
+        assert_eq!(beyond, [stamps[2], stamps[0]], "a double tells the small one, and each is kept once");
+        let other = Clock::of_stamps([5].into_iter()).with(beyond.into_iter());
+        let read: Vec<i64> = seconds.iter().map(|&time| other.nanoseconds(time)).collect();
+        assert_eq!(read, stamps);
     }
 }

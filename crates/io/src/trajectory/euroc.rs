@@ -5,7 +5,7 @@ use std::path::Path;
 use geometry::{SE3, Vec3};
 
 use super::{Clock, StampedPose, Trajectory, numbers, rotation_from_quaternion, write_rows};
-use crate::dataset::stamps::{nanoseconds, seconds};
+use crate::dataset::stamps::seconds;
 use crate::file::{FileError, Line, counted};
 
 pub(super) const EXPECTED: &str = "at least 8 comma-separated numbers (ns, px, py, pz, qw, qx, qy, qz)";
@@ -35,10 +35,18 @@ pub(super) fn row(line: &Line<'_>, w_first: bool) -> Result<StampedPose, FileErr
 /// # Errors
 /// [`FileError::Unwritable`].
 pub fn write_euroc(path: &Path, trajectory: &Trajectory) -> Result<(), FileError> {
+    write_euroc_at(path, trajectory, &Clock::default())
+}
+
+/// As [`write_euroc`], with the stamps of a sequence's frames exactly as they were read.
+///
+/// # Errors
+/// [`FileError::Unwritable`].
+pub fn write_euroc_at(path: &Path, trajectory: &Trajectory, clock: &Clock) -> Result<(), FileError> {
     const HEADER: &str = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n";
     let row = |pose: &StampedPose| {
         let [x, y, z, i, j, k, w] = numbers(&pose.world_from_cam);
-        (nanoseconds(pose.timestamp_s).max(0), [x, y, z, w, i, j, k])
+        (clock.nanoseconds(pose.timestamp_s).max(0), [x, y, z, w, i, j, k])
     };
     write_rows(path, HEADER, ',', trajectory.poses.iter().map(row))
 }

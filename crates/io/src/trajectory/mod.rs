@@ -12,8 +12,8 @@ use geometry::SE3;
 
 use crate::file::{FileError, Line, TextFile, counted, write_atomic};
 
-pub use clock::Clock;
-pub use euroc::{write_euroc, write_vslamlab};
+pub use clock::{Clock, Stamp};
+pub use euroc::{write_euroc, write_euroc_at, write_vslamlab};
 pub use kitti::write_kitti;
 pub use tum::{write_tum, write_tum_at};
 

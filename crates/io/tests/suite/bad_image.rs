@@ -33,6 +33,23 @@ fn text_as_image() {
     assert_eq!(folder.hide(dsslam_io::image_size(&path).unwrap_err()), expected);
 }
 
+/// Depth as Blender writes it, a repository without its large files, a download that failed.
+#[test]
+fn files_that_are_taken_for_images_are_named() {
+    let folder = Folder::new();
+    for (bytes, what) in [
+        (&b"\x76\x2f\x31\x01\x02\0\0\0"[..], "OpenEXR, which is not read"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\n", "a Git LFS pointer (git lfs pull"),
+        (b"<!DOCTYPE html><html>404</html>", "a web page"),
+        (b"\0\0\0\x18ftypheic\0\0\0\0", "HEIC, AVIF"),
+    ] {
+        let path = folder.write("a.png", bytes);
+        let message = folder.hide(load_gray(&path).unwrap_err());
+        assert!(message.starts_with(&format!("DIR/a.png: not an image: begins with {what}")), "{message}");
+        assert!(dsslam_io::load_depth(&path).is_err());
+    }
+}
+
 #[test]
 fn other_bytes_as_image() {
     let folder = Folder::new();

@@ -141,7 +141,8 @@ fn kalibr_says_which_spelling_of_the_extrinsics_was_read() {
     let chain = kalibr(["", &format!("  T_cn_cnm1:\n{}", rows(-0.25))]);
     assert_eq!(
         refused("camchain.yaml", chain.replacen("camera_model: pinhole", "camera_model: ds", 1)),
-        "DIR/camchain.yaml:3: cam0.camera_model: found `ds`, expected pinhole (its other models omni, ds and eucm are not read)"
+        "DIR/camchain.yaml:3: cam0.camera_model: found `ds`, expected pinhole (omni, ds and eucm are not read; \
+         calibrate wide lenses with pinhole-equi)"
     );
     assert_eq!(
         refused("camchain.yaml", kalibr(["", ""])),

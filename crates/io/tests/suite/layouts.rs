@@ -115,6 +115,11 @@ fn kitti_360_with_its_poses() {
     let truth = sequence.ground_truth.unwrap();
     assert_eq!(truth.poses[0].timestamp_s, sequence.frames[1].timestamp_s());
     assert_eq!(truth.poses[0].world_from_cam.translation.x, 7.0);
+    // Without its lists the frames come at the rate of the configuration, and the run doubts that.
+    folder.remove(&format!("{drive}/image_00/timestamps.txt"));
+    let sequence = open_sequence(&folder.file(drive), None).unwrap();
+    assert_eq!((sequence.times, sequence.frames[2].timestamp_ns), (Times::Invented, 200_000_000));
+    assert_eq!((sequence.frames[0].index, sequence.frames.len()), (3, 3));
 }
 
 #[test]
@@ -186,6 +191,31 @@ fn tartan_air_with_poses_of_a_body_that_looks_along_x() {
     assert_eq!(sequence.body_from_left.rotation * Vec3::y(), Vec3::z(), "down");
     let truth = sequence.ground_truth.unwrap();
     assert_eq!((truth.poses[2].timestamp_s, truth.poses[2].world_from_cam.translation.x), (0.2, 2.0));
+}
+
+/// TartanAir's depth: NumPy files of meters beside the images.
+#[test]
+fn tartan_air_with_depth_in_numpy_files() {
+    let folder = Folder::new();
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (480, 640), }\n";
+    let length = (header.len() as u16).to_le_bytes();
+    let values = 2.5_f32.to_le_bytes().repeat(640 * 480);
+    let numpy = [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &values].concat();
+    for i in 0..2 {
+        folder.gray(&format!("image_left/{i:06}_left.png"), 640, 480);
+        folder.write(&format!("depth_left/{i:06}_left_depth.npy"), &numpy);
+    }
+    let sequence = open(&folder);
+    assert_eq!((sequence.sensor, sequence.frames.len()), (Sensor::Rgbd, 2));
+    assert_eq!(sequence.depth_units_per_metre, Some(2000.0), "meters as half millimeters");
+    let depth = dsslam_io::load_depth(sequence.frames[1].depth.as_ref().unwrap()).unwrap();
+    assert_eq!(depth.at(639, 479), 5000);
+    // Beside two cameras depth is taken where it is asked for.
+    for i in 0..2 {
+        folder.gray(&format!("image_right/{i:06}_right.png"), 640, 480);
+    }
+    assert_eq!(open(&folder).sensor, Sensor::Stereo);
+    assert_eq!(open_sequence(folder.path(), Some(Sensor::Rgbd)).unwrap().sensor, Sensor::Rgbd);
 }
 
 #[test]

@@ -92,6 +92,15 @@ fn lists_as_people_write_them() {
             sequence.warnings.iter().any(|warning| warning.contains("the images are not where it says"));
         assert_eq!(told, is_told, "{list}: {:?}", sequence.warnings);
     }
+    // Names alone, where they are times.
+    for name in ["a", "b"] {
+        let time = if name == "a" { "1305031452.791720" } else { "1305031452.823674" };
+        std::fs::copy(folder.file(&format!("rgb/{name}.png")), folder.file(&format!("rgb/{time}.png")))
+            .unwrap();
+    }
+    folder.write("rgb.txt", "rgb/1305031452.791720.png\nrgb/1305031452.823674.png\n");
+    let sequence = open_sequence(folder.path(), Some(Sensor::Mono)).unwrap();
+    assert_eq!(sequence.frames[1].timestamp_ns, 1_305_031_452_823_674_000);
     std::fs::rename(folder.file("rgb"), folder.file("my rgb")).unwrap();
     folder.write("rgb.txt", rows("my rgb", " "));
     assert_eq!(open(&folder).frames[0].left, folder.file("my rgb/a.png"));
@@ -161,4 +170,36 @@ fn numbering_from_any_number() {
         sequence.frames.iter().map(|frame| (frame.index, frame.timestamp_s())).collect();
     assert_eq!(found, [(107, 0.5), (108, 0.6), (109, 0.7)]);
     assert_eq!(sequence.ground_truth.unwrap().poses[1].timestamp_s, 0.6);
+}
+
+/// Folders that were packed on a Mac: `._0.png` beside `0.png`, `.DS_Store`, `__MACOSX`.
+#[test]
+fn what_macos_puts_beside_files_is_no_image() {
+    let folder = Folder::new();
+    for i in 0..3 {
+        folder.gray(&format!("left/{i}.png"), 40, 20);
+        folder.write(&format!("left/._{i}.png"), [0, 5, 22, 7, 0, 2, 0, 0]);
+    }
+    folder.write("left/.DS_Store", "Bud1");
+    folder.write("__MACOSX/left/._0.png", "x");
+    assert_eq!(open(&folder).frames.len(), 3);
+    let kitti = Folder::kitti(3);
+    kitti.write("image_0/._000000.png", "x");
+    assert_eq!(open(&kitti).frames.len(), 3);
+}
+
+/// A ZED's images with the calibration of its left camera.
+#[test]
+fn an_image_twice_as_wide_as_its_camera_may_hold_two() {
+    let error = dsslam_io::ImageError::wrong_size(
+        "a.png".as_ref(),
+        dsslam_io::ImageSize { width: 2560, height: 720 },
+        dsslam_io::ImageSize { width: 1280, height: 720 },
+        "resolution in left.yaml",
+    );
+    assert_eq!(
+        error.to_string(),
+        "a.png: found 2560x720 pixels, expected 1280x720 (resolution in left.yaml; it is twice as wide: two views side by side need the \
+         calibration of both cameras)"
+    );
 }

@@ -149,7 +149,9 @@ fn compare(part: &'static str, computed: &[u8], stated: &[u8]) -> Result<(), Map
     if computed[..stated.len()] == *stated {
         return Ok(());
     }
-    let shown = |bytes: &[u8]| bytes[..8].iter().map(|b| format!("{b:02x}")).collect();
+    // Eight bytes with the first difference.
+    let from = computed.iter().zip(stated).position(|(a, b)| a != b).unwrap_or(0).min(stated.len() - 8);
+    let shown = |bytes: &[u8]| bytes[from..from + 8].iter().map(|b| format!("{b:02x}")).collect();
     Err(MapFileError::Checksum { part, found: shown(computed), expected: shown(stated) })
 }
 

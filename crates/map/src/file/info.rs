@@ -24,6 +24,9 @@ pub struct MapFileInfo {
     /// Pose of the left camera in the body that carries it (IMU): the upper 3x4 row by row, numbers with spaces between, meters.
     /// Empty where the camera is the body, and where the map has no scale.
     pub body_from_left: String,
+    /// Times of frames in nanoseconds, in order: those of them whose time in seconds, which is what the frame keeps, does not tell.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stamps_ns: Vec<i64>,
 }
 
 /// A word, or an empty text.

@@ -20,6 +20,7 @@ fn info() -> MapFileInfo {
         configuration: "orb:\n  features: 2000\n".to_owned(),
         vocabulary_sha256: String::new(),
         body_from_left: "1 0 0 0.5 0 1 0 0 0 0 1 0".to_owned(),
+        stamps_ns: vec![1_403_636_579_763_555_584],
     }
 }
 

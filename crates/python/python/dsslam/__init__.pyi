@@ -158,8 +158,8 @@ class Finished:
     interrupted: bool
     failure: str | None
     frames: list[dict[str, Any]]
-    """Per frame: index, time_s, state, reason, inliers, submap, quality, quality_reasons, covariance and pose (None without one of
-    its own)."""
+    """Per frame: index, time_s, t_ns, state, reason, inliers, submap, quality, quality_reasons, covariance and pose (None without one
+    of its own)."""
     loops: list[dict[str, Any]]
     map: Map
     evaluation: dict[str, Any] | None

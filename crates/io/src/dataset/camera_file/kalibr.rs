@@ -45,7 +45,7 @@ fn left_path(root: &Field<'_>) -> String {
 }
 
 fn camera(field: &Field<'_>) -> Result<FileCamera, DatasetError> {
-    const MODEL: &str = "pinhole (its other models omni, ds and eucm are not read)";
+    const MODEL: &str = "pinhole (omni, ds and eucm are not read; calibrate wide lenses with pinhole-equi)";
     let model = field.at("camera_model");
     model.need(MODEL)?;
     let word = model.text(MODEL)?;

@@ -7,6 +7,7 @@ use geometry::Pinhole;
 
 use super::super::layout::SequenceKind;
 use super::names;
+use crate::file::FileError;
 use crate::images::ImageSize;
 use crate::trajectory::TrajectoryFormat;
 
@@ -43,6 +44,9 @@ pub(super) struct Known {
     pub(super) depth_units_per_metre: Option<f64>,
     pub(super) frame_rate_hz: Option<f64>,
 }
+
+/// Lists the images of a folder.
+type List = fn(&Path) -> Result<Vec<PathBuf>, FileError>;
 
 /// A form with the images of a folder.
 pub(in super::super) struct Tree {
@@ -96,19 +100,19 @@ const TARTAN: Known = Known {
     frame_rate_hz: None,
 };
 
-const fn tartan(left: &'static str, right: &'static str, truth: &'static str) -> Form {
+const fn tartan([left, right, depth]: [&'static str; 3], truth: &'static str) -> Form {
     Form {
         kind: SequenceKind::TartanAir,
         truth: Some((truth, TrajectoryFormat::Tum)),
         known: Some(TARTAN),
-        ..plain(in_folder(left), Some(in_folder(right)), None, false)
+        ..plain(in_folder(left), Some(in_folder(right)), Some(in_folder(depth)), false)
     }
 }
 
 /// All forms, the most telling first.
 static FORMS: [Form; 29] = [
-    tartan("image_left", "image_right", "pose_left.txt"),
-    tartan("image_lcam_front", "image_rcam_front", "pose_lcam_front.txt"),
+    tartan(["image_left", "image_right", "depth_left"], "pose_left.txt"),
+    tartan(["image_lcam_front", "image_rcam_front", "depth_lcam_front"], "pose_lcam_front.txt"),
     // The color camera of a Kinect as the dataset's page gives it; its depth is in millimeters.
     Form {
         kind: SequenceKind::SevenScenes,
@@ -182,13 +186,13 @@ pub(in super::super) fn find(dir: &Path) -> Option<Tree> {
 impl Form {
     /// This form's images of a folder in which `here` lies.
     fn of(&'static self, dir: &Path, here: &[PathBuf]) -> Option<Tree> {
-        let left = self.left.list(dir, here).filter(|left| !left.is_empty())?;
-        let other = |place: Option<Place>| {
+        let left = self.left.list(dir, here, names::list).filter(|left| !left.is_empty())?;
+        let other = |place: Option<Place>, list: List| {
             let place = place?;
-            let images = place.list(dir, here).filter(|images| !images.is_empty())?;
+            let images = place.list(dir, here, list).filter(|images| !images.is_empty())?;
             Some((place.path(dir), images))
         };
-        let (right, depth) = (other(self.right), other(self.depth));
+        let (right, depth) = (other(self.right, names::list), other(self.depth, names::list_depth));
         if self.needs_both && right.is_none() && depth.is_none() {
             return None;
         }
@@ -201,8 +205,8 @@ impl Place {
         if self.folder.is_empty() { dir.to_path_buf() } else { dir.join(self.folder) }
     }
 
-    fn list(self, dir: &Path, here: &[PathBuf]) -> Option<Vec<PathBuf>> {
-        let all = if self.folder.is_empty() { here.to_vec() } else { names::list(&self.path(dir)).ok()? };
+    fn list(self, dir: &Path, here: &[PathBuf], list: List) -> Option<Vec<PathBuf>> {
+        let all = if self.folder.is_empty() { here.to_vec() } else { list(&self.path(dir)).ok()? };
         let fits = |path: &PathBuf| {
             let stem = names::stem(path).to_ascii_lowercase();
             stem.starts_with(self.prefix) && stem.ends_with(self.suffix)

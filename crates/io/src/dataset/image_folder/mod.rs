@@ -169,7 +169,9 @@ pub(super) fn choose(
     let unavailable =
         |sensor, reason| Err(DatasetError::SensorUnavailable { path: place.to_path_buf(), sensor, reason });
     match (wanted, pictures.has_depth) {
-        (Some(Sensor::Rgbd) | None, true) => return Ok((Sensor::Rgbd, Packing::Whole)),
+        (Some(Sensor::Rgbd), true) => return Ok((Sensor::Rgbd, Packing::Whole)),
+        // Of three, the two cameras are taken.
+        (None, true) if !pictures.in_two_folders => return Ok((Sensor::Rgbd, Packing::Whole)),
         (Some(Sensor::Rgbd), false) => {
             return unavailable(Sensor::Rgbd, "found no depth images".to_string());
         }

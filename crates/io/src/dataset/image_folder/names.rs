@@ -19,6 +19,18 @@ enum Piece<'a> {
 /// # Errors
 /// [`FileError::Unreadable`].
 pub(in super::super) fn list(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    list_ending(folder, &IMAGE_ENDINGS)
+}
+
+/// As [`list`], of depth images, which may be NumPy files; OpenEXR is listed so that it can be refused by its name.
+///
+/// # Errors
+/// [`FileError::Unreadable`].
+pub(super) fn list_depth(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    list_ending(folder, &[&IMAGE_ENDINGS[..], &["npy", "exr"]].concat())
+}
+
+fn list_ending(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, FileError> {
     if !folder.is_dir() {
         return Ok(Vec::new());
     }
@@ -29,7 +41,7 @@ pub(in super::super) fn list(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
-        if is_image(&path) {
+        if has_ending(&path, endings) {
             paths.push(path);
         }
     }
@@ -104,10 +116,13 @@ fn pieces(name: &str) -> Vec<Piece<'_>> {
     pieces
 }
 
-fn is_image(path: &Path) -> bool {
+/// Whether it is a file with one of these endings; what macOS puts beside files (`._0.png`) is not.
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let known = extension.as_ref().and_then(|extension| extension.to_str());
-    known.is_some_and(|extension| IMAGE_ENDINGS.contains(&extension)) && path.is_file()
+    known.is_some_and(|extension| endings.contains(&extension))
+        && !name(path).starts_with('.')
+        && path.is_file()
 }
 
 fn name(path: &Path) -> String {
