@@ -70,7 +70,7 @@ impl Patch {
             let [a, b, c] = template.inverse;
             let step = [(a * bx + b * by) / gain, (b * bx + c * by) / gain];
             shift = [shift[0] - step[0], shift[1] - step[1]];
-            if !(shift[0].abs().max(shift[1].abs()) <= REACH_PX) {
+            if !shift.iter().all(|s| s.abs() <= REACH_PX) {
                 return None;
             }
             if step[0] * step[0] + step[1] * step[1] < CONVERGED_PX * CONVERGED_PX {
@@ -133,7 +133,7 @@ impl Template {
     fn new(reference: &Patch, warp: [[f32; 2]; 2]) -> Option<Self> {
         let [[a, b], [c, d]] = warp;
         let determinant = a * d - b * c;
-        if !(determinant.abs() > 1e-3) {
+        if !determinant.is_finite() || determinant.abs() < 1e-3 {
             return None;
         }
         let back = [[d / determinant, -b / determinant], [-c / determinant, a / determinant]];

@@ -28,6 +28,8 @@ fn of(shift: impl Fn(usize, &mut dyn FnMut() -> f64, &mut Shot)) -> Residuals {
         matched: Vec::new(),
         counts: Vec::new(),
         stats: TrackStats::default(),
+        aligned: None,
+        shifts: Vec::new(),
     };
     let map = scene.map(&[SE3::identity()]);
     Residuals::of(&scene.frame(1, &pose, &shots), &map, &local, params().noise(), 10.0).unwrap()
