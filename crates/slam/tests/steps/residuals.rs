@@ -47,9 +47,9 @@ fn pixels_and_disparities_have_noise_of_their_own() {
         shot.shift_px = [pixel * normal(), pixel * normal()];
         shot.right_px = disparity * normal();
     });
-    // The median of 480 values has a standard deviation of 5 %.
-    assert!((found.pixel_sq.sqrt() - 0.5).abs() < 0.075, "{found:?}");
-    assert!((found.disparity_sq.sqrt() - 0.1).abs() < 0.02, "{found:?}");
+    // Medians of 480 and 240 values have standard deviations of 5 and 8 %.
+    assert!((found.pixel_sq.sqrt() - 0.5).abs() < 0.1, "{found:?}");
+    assert!((found.disparity_sq.sqrt() - 0.1).abs() < 0.04, "{found:?}");
     assert!(found.in_common < 1.6, "{found:?}");
     // The wall fills the middle of the image, 8 to 12 m away.
     assert!((6..=12).contains(&found.cells) && (100..140).contains(&found.near), "{found:?}");
