@@ -21,7 +21,7 @@ const RELOCALIZED: f64 = 0.5;
 const RELOCALIZED_FRAMES: f64 = 5.0;
 /// Factor where the motion model failed.
 const WITHOUT_MOTION_MODEL: f64 = 0.7;
-/// Factors from this on are no reason.
+/// Factors from this on are not named as a reason.
 const HARDLY_LOWER: f64 = 0.9;
 
 /// What the quality of a frame follows from.
