@@ -117,8 +117,14 @@ fn a_file_that_is_cut_off_has_what_was_flushed() {
     let mut last = 0;
     for length in (8..whole.len()).step_by(97) {
         std::fs::write(&path, &whole[..length]).unwrap();
-        let bag = Bag::open(&path, Some("/odometry")).unwrap();
-        let n = bag.poses().0.len();
+        // Before the first chunk is whole the topic is not known.
+        let n = match Bag::open(&path, Some("/odometry")) {
+            Ok(bag) => bag.poses().0.len(),
+            Err(error) => {
+                assert!(error.to_string().contains("/odometry"), "{error}");
+                0
+            }
+        };
         assert!(n.is_multiple_of(10) && n >= last, "{n} after {last} of {length} bytes");
         last = n;
     }

@@ -12,7 +12,7 @@
 //!
 //! `map`, `odom` and `base_link` are turned as REP-103 has it: x forward, y left, z up, at the first frame. `base_link` lies in the
 //! center of the left camera, whose own axes (x right, y down, z forward) are those of `camera_optical_frame`. Frames are related as REP-105
-//! has it: `odom` -> `base_link` is made of motions from frame to frame and goes on without a jump, `map` -> `odom` takes the corrections.
+//! has it: `odom` -> `base_link` is made of motions from frame to frame and never jumps, `map` -> `odom` takes the corrections.
 //! A covariance of zeros is none: of the frame that a map starts with, and of poses that nobody has a covariance for.
 
 mod axes;
