@@ -10,10 +10,12 @@ pub(crate) fn frames_csv(records: &[FrameRecord], clock: &io::Clock) -> String {
         let inliers = record.status.inliers().map_or(String::new(), |inliers| inliers.to_string());
         let reason = record.status.reason().unwrap_or_default();
         let submap = record.submap.map_or(String::new(), |root| root.to_string());
+        let stamp = clock.stamp(record.timestamp_s).to_string();
         text.push_str(&format!(
             "{},{},{},{submap},{inliers},{}\n",
             record.index,
-            clock.stamp(record.timestamp_s),
+            // All digits that say something; there is always a point.
+            stamp.trim_end_matches('0').trim_end_matches('.'),
             record.status.state().key(),
             quoted(&reason)
         ));
@@ -92,8 +94,8 @@ pub(crate) mod tests {
         assert_eq!(
             frames_csv(&records, &io::Clock::default()),
             format!(
-                "frame,timestamp_s,state,submap,inliers,reason\n3,0.300000000,tracked,{root},100,\n\
-                 4,0.400000000,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\"\n"
+                "frame,timestamp_s,state,submap,inliers,reason\n3,0.3,tracked,{root},100,\n\
+                 4,0.4,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\"\n"
             )
         );
     }
