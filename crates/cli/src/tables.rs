@@ -15,10 +15,12 @@ pub(crate) fn frames_csv(records: &[FrameRecord], clock: &io::Clock) -> String {
         let inliers = record.status.inliers().map_or(String::new(), |inliers| inliers.to_string());
         let reason = record.status.reason().unwrap_or_default();
         let submap = record.submap.map_or(String::new(), |root| root.to_string());
+        let stamp = clock.stamp(record.timestamp_s).to_string();
         text.push_str(&format!(
             "{},{},{},{submap},{inliers},{}",
             record.index,
-            clock.stamp(record.timestamp_s),
+            // All digits that say something; there is always a point.
+            stamp.trim_end_matches('0').trim_end_matches('.'),
             record.status.state().key(),
             quoted(&reason)
         ));
@@ -117,10 +119,10 @@ pub(crate) mod tests {
         let (root, empty) = (KeyframeId(7).to_string(), ",".repeat(PoseCovariance::N));
         let text = frames_csv(&records, &io::Clock::default());
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[1], format!("3,0.300000000,tracked,{root},100,,0,,{empty}"));
+        assert_eq!(lines[1], format!("3,0.3,tracked,{root},100,,0,,{empty}"));
         assert_eq!(
             lines[2],
-            format!("4,0.400000000,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\",0,,{empty}")
+            format!("4,0.4,dropped,,,\"a.png: cannot be read: \"\"no\"\", thanks\",0,,{empty}")
         );
         assert!(lines[0].starts_with("frame,timestamp_s,state,submap,inliers,reason,quality,"));
         assert!(lines[0].ends_with(",cov_ryrz,cov_rzrz"));

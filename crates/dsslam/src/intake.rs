@@ -107,7 +107,8 @@ impl Intake {
 /// The configuration with what the sequence knows better, its camera and its frame rate; and what the user should know of it.
 fn in_force(config: &Config, sequence: &Sequence) -> (Config, Vec<String>) {
     let mut config = config.clone();
-    let mut notices = sequence.warnings.clone();
+    let mut notices = config.renamed_keys().to_vec();
+    notices.extend(sequence.warnings.iter().cloned());
     if let Some(calibration) = &sequence.calibration {
         notices.extend(config.apply_calibration(calibration));
     }

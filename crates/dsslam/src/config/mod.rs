@@ -122,6 +122,11 @@ impl Config {
         self.origins.of(key)
     }
 
+    /// Keys of older versions that were given, with what they are called now.
+    pub fn renamed_keys(&self) -> &[String] {
+        self.origins.renamed()
+    }
+
     /// All keys in the order of [`SCHEMA`], with the values in force.
     #[must_use]
     pub fn explain(&self) -> Vec<Explained<'_>> {

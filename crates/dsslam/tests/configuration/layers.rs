@@ -153,3 +153,20 @@ proptest! {
         prop_assert_eq!(again.seed, config.seed);
     }
 }
+
+#[test]
+fn a_key_of_an_older_version_is_read_as_the_new_one_and_told() {
+    for (frames, refines) in [("0", false), ("30", true)] {
+        let argument = format!("stereo.calibration_frames={frames}");
+        let config = Config::load(None, std::slice::from_ref(&argument)).unwrap();
+        assert_eq!(config.mapping.refine_calibration, refines);
+        let told = format!(
+            "--set {argument}: stereo.calibration_frames is now mapping.refine_calibration = {refines}"
+        );
+        assert_eq!(config.renamed_keys(), [told]);
+        assert_eq!(config.provenance("mapping.refine_calibration").to_string(), format!("--set {argument}"));
+    }
+    assert!(Config::load(None, &[]).unwrap().renamed_keys().is_empty());
+    let refused = Config::load(None, &["stereo.calibration_frames=many".to_owned()]).unwrap_err().to_string();
+    assert!(refused.contains("this key is gone"), "{refused}");
+}

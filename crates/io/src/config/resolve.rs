@@ -21,8 +21,18 @@ pub(super) fn resolve<T: Default + Serialize + DeserializeOwned>(
     mut problems: Vec<Problem>,
 ) -> Result<(T, Origins), ConfigErrors> {
     problems.extend(repeated(from_file));
+    let mut origins = Origins::default();
+    let mut current = |given: &Given| match renamed(given) {
+        Some(now) => {
+            origins
+                .note_renamed(format!("{}: {} is now {} = {}", given.place, given.key, now.key, now.value));
+            now
+        }
+        None => given.clone(),
+    };
+    let given: Vec<Given> = from_file.iter().chain(from_overrides).map(&mut current).collect();
     let mut chosen: BTreeMap<&str, &Given> = BTreeMap::new();
-    for given in from_file.iter().chain(from_overrides) {
+    for given in &given {
         match check(keys, given) {
             Ok(Some(entry)) => {
                 chosen.insert(entry.key, given);
@@ -34,14 +44,25 @@ pub(super) fn resolve<T: Default + Serialize + DeserializeOwned>(
     if !problems.is_empty() {
         return Err(ConfigErrors(problems));
     }
-    let mut origins = Origins::default();
     for (key, given) in &chosen {
         origins.set(key, given.place.clone());
     }
     Ok((build(keys, &chosen)?, origins))
 }
 
-/// Keys of older configurations, with what took their place.
+/// What took the place of a key of older configurations, with its value.
+fn renamed(given: &Given) -> Option<Given> {
+    match (given.key.as_str(), &given.value) {
+        ("stereo.calibration_frames", Value::Integer(frames)) => Some(Given {
+            key: "mapping.refine_calibration".to_owned(),
+            value: Value::Flag(*frames > 0),
+            place: given.place.clone(),
+        }),
+        _ => None,
+    }
+}
+
+/// Keys of older configurations whose values cannot be used, with what took their place.
 const GONE: [(&str, &str); 1] = [(
     "stereo.calibration_frames",
     "the calibration is refined within the run (mapping.refine_calibration), leave it out",
