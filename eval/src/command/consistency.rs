@@ -20,7 +20,7 @@ between 1.24 and 14.4, and their mean is 6.
 Examples:
   dsslam eval consistency results/latest
   dsslam eval consistency results/latest --plots out
-  dsslam eval consistency results/desk --ground-truth desk/groundtruth.txt --truth-sigma 0.002,0.15";
+  dsslam eval consistency results/latest --ground-truth groundtruth.txt --truth-sigma 0.002,0.15";
 
 /// Times of a frame in two files differ by rounding only, seconds.
 const TIME_TOLERANCE_S: f64 = 5e-4;

@@ -48,9 +48,9 @@ fn the_default_configuration_passes_its_own_check() {
 fn keys_for_experts_are_listed_on_request_and_where_somebody_set_them() {
     let keys = |args: &[&str]| dsslam(&[&["config"], args].concat()).1;
     let (everyday, all) = (keys(&["default"]), keys(&["default", "--expert"]));
-    assert!(everyday.starts_with("# Default configuration; --expert lists 21 further keys.\n"), "{everyday}");
+    assert!(everyday.starts_with("# Default configuration; --expert lists 22 further keys.\n"), "{everyday}");
     let n_keys = |yaml: &str| yaml.lines().filter(|line| line.contains("  # ")).count();
-    assert_eq!(n_keys(&everyday) + 21, n_keys(&all));
+    assert_eq!(n_keys(&everyday) + 22, n_keys(&all));
     assert!(!everyday.contains("weights:") && all.contains("\n  loop_lag: 10  # "), "{everyday}{all}");
     let check = keys(&["check", "--set", "features.levels=5"]);
     assert!(check.contains("features.levels = 5") && !check.contains("features.subpixel"), "{check}");

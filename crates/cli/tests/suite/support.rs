@@ -10,7 +10,7 @@ use geometry::{DepthImage, GrayImage};
 use tempfile::TempDir;
 
 /// Frames of the rendered sequence.
-pub(super) const N_FRAMES: usize = 5;
+pub(super) const N_FRAMES: usize = 12;
 
 /// What a call left.
 pub(super) struct Call {

@@ -91,7 +91,7 @@ fn sections_stand_together() {
 #[test]
 fn experts_have_keys_of_their_own() {
     let expert: Vec<&str> = SCHEMA.iter().filter(|entry| entry.is_expert).map(|entry| entry.key).collect();
-    assert_eq!(expert.len(), 21, "{expert:?}");
+    assert_eq!(expert.len(), 22, "{expert:?}");
     assert!(expert.contains(&"mapping.local_ba_first_iterations") && !expert.contains(&"features.keep"));
 }
 
