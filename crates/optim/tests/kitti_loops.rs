@@ -28,7 +28,7 @@ const DRIFT: DriftModel = DriftModel {
 /// How far two views of one place are apart: standard deviations.
 const PLACE_M: f64 = 2.5;
 const PLACE_RAD: f64 = 0.06;
-/// Candidates before, within so many nodes, from which the place must have looked alike.
+/// Candidates before, within this many nodes, from which the place must have looked alike.
 const CONSISTENCY: usize = 2;
 const ROW: u32 = 60;
 /// Nodes within which a loop stands for another one.

@@ -41,7 +41,8 @@ fn pipes_devices_and_circular_links_are_refused_at_once() {
     let error = read_calibration("/dev/zero".as_ref()).unwrap_err().to_string();
     assert_eq!(error, "/dev/zero: cannot be read: it is a pipe or a device, expected a file");
     let error = folder.hide(read_calibration(folder.path()).unwrap_err());
-    assert_eq!(error, "DIR: cannot be read: it is a folder, expected a file");
+    let expected = "DIR: found a folder without a calibration, expected one of these calibrations: a file, or a folder with cam0/sensor.yaml and cam1/sensor.yaml";
+    assert_eq!(error, expected);
     std::os::unix::fs::symlink(folder.file("b"), folder.file("a")).unwrap();
     std::os::unix::fs::symlink(folder.file("a"), folder.file("b")).unwrap();
     assert!(read_calibration(&folder.file("a")).unwrap_err().to_string().contains("ymbolic link"));

@@ -17,7 +17,7 @@ pub(super) fn read(folder: &Path) -> Result<CameraFile, DatasetError> {
             Some(file) => read_calibration(&file),
             None => Err(DatasetError::UnknownCalibration {
                 path: folder.to_path_buf(),
-                found: "a folder without one".to_owned(),
+                found: "a folder without a calibration".to_owned(),
                 expected: format!("a file, or a folder with {left} and {right}"),
             }),
         };
