@@ -124,7 +124,7 @@ fn what_cannot_be_looked_at_is_named() {
     for (args, expected) in [
         (
             &["inspect", "stereo", "morning", "--frame", "99"][..],
-            "error: morning: frame 99 does not exist, expected 0 to 4",
+            "error: morning: frame 99 does not exist, expected 0 to 11",
         ),
         (
             &["inspect", "features", "image_0/000000.png", "--frame", "1"],
