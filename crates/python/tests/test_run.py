@@ -3,6 +3,7 @@
 import _thread
 import subprocess
 import sys
+import signal
 import time
 
 import numpy as np
@@ -107,7 +108,12 @@ def test_ctrl_c_ends_a_run_with_its_results(town):
         if kind == "frame" and what.index == 5:
             _thread.interrupt_main()
 
-    done = dsslam.run(town, settings=SETTINGS | {"input.scale": 1.0}, observer=interrupt, schedule="sequential")
+    # A shell that runs the tests in the background has them ignore Ctrl-C.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        done = dsslam.run(town, settings=SETTINGS | {"input.scale": 1.0}, observer=interrupt, schedule="sequential")
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert done.interrupted and 5 < done.n_frames < 40
 
 
