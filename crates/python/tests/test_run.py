@@ -1,9 +1,9 @@
 """Runs over folders, and the program."""
 
 import _thread
+import signal
 import subprocess
 import sys
-import signal
 import time
 
 import numpy as np
