@@ -4,6 +4,9 @@
 //! One camera tells its focal length, principal point and distortion when it turns; a pair also tells how disparities are off.
 //! What the images do not tell significantly stays as it was given.
 
+mod one;
+mod pair;
+
 use std::fmt;
 use std::sync::Arc;
 
@@ -38,25 +41,6 @@ pub const CALIBRATION_NAMES: [&str; 6] =
 
 /// Standard deviation of a feature's position at octave 0, pixels, as seen in residuals on real drives.
 const SIGMA_PX: f64 = 0.5;
-/// Residuals of one point are alike, and no model is exact: uncertainties are so much larger than counting says.
-const DEPENDENCE: f64 = 5.0;
-
-/// What is looked for, and from when on it is believed.
-struct Search {
-    /// How far calibrations are usually off, one standard deviation.
-    prior: CalibrationVector,
-    /// Squared length of the errors in units of their uncertainty from which they are taken away; the uncertainty is that of counting,
-    /// hence far above the limits of chi-square.
-    evidence: f64,
-}
-
-/// One camera tells its focal length, principal point and distortion once it has turned enough.
-const OF_ONE: Search = Search { prior: [0.02, 5.0, 5.0, 0.003, HELD, HELD], evidence: 100.0 };
-/// A pair knows its scale by its focal length, which is therefore kept; it tells how disparities are off. What is smaller than its own
-/// uncertainty is not believed.
-const OF_PAIR: Search =
-    Search { prior: [HELD, HELD, HELD, HELD, 0.06, HELD], evidence: DEPENDENCE * DEPENDENCE };
-
 /// Keyframes at the first attempt, and the factor to each further one.
 const FIRST_KEYFRAMES: usize = 20;
 const GROWTH: f64 = 1.5;
@@ -64,8 +48,6 @@ const GROWTH: f64 = 1.5;
 const MAX_KEYFRAMES: usize = 300;
 /// Points count from this many observations on.
 const MIN_TRACK: usize = 3;
-/// Fewer observations do not tell.
-const MIN_OBSERVATIONS: usize = 1000;
 const ITERATIONS: usize = 12;
 /// Holds what is not looked for.
 const HELD: f64 = 1e-9;
@@ -138,33 +120,31 @@ impl Refinement {
     }
 }
 
-/// The calibration that the map tells, and the poses and positions that go with it; `None` if it tells nothing significant.
+/// What a bundle adjustment found.
+struct Found {
+    /// Errors of the calibration as it was given, and their standard deviations.
+    errors: CalibrationVector,
+    sigma: CalibrationVector,
+    /// Poses and points with the errors taken out.
+    solution: CalibrationSolution,
+}
+
+/// The calibration that the map tells, and the poses and positions that go with it; `None` if it tells nothing new.
 pub(crate) fn refined(
     map: &Map,
     now: Option<&RefinedCalibration>,
     params: &Params,
 ) -> Option<(RefinedCalibration, Correction)> {
-    let search = match params.camera.sensor {
-        Sensor::Mono => &OF_ONE,
-        Sensor::Stereo => &OF_PAIR,
+    let look = match params.camera.sensor {
+        Sensor::Mono => one::look,
+        Sensor::Stereo => pair::look,
         Sensor::Rgbd => return None,
     };
     let whole = whole_map(map)?;
     let given =
         now.map_or_else(|| map.keyframes().next().map(|kf| kf.frame.rig.clone()), |n| Some(n.given.clone()))?;
-    let before = now.map_or([0.0; 6], |now| now.errors);
-    let solution = solve(&whole, &before, search)?;
-    if solution.evidence < search.evidence {
-        return None;
-    }
-    let errors =
-        std::array::from_fn(
-            |i| {
-                if search.prior[i] > HELD { before[i] + solution.errors[i] } else { before[i] }
-            },
-        );
-    let found = solution.sigma.map(|sigma| sigma * DEPENDENCE);
-    let calibration = RefinedCalibration::new(&given, errors, found, map.n_keyframes());
+    let Found { errors, sigma, solution } = look(&whole, &now.map_or([0.0; 6], |now| now.errors))?;
+    let calibration = RefinedCalibration::new(&given, errors, sigma, map.n_keyframes());
     let moved = whole.keyframes.iter().zip(&solution.cameras).zip(&whole.problem.fixed);
     let moved = moved.filter(|(_, fixed)| !**fixed);
     let correction = Correction {
@@ -176,22 +156,21 @@ pub(crate) fn refined(
     Some((calibration, correction))
 }
 
-/// The bundle adjustment with errors of the present calibration unknown; `before` was found already.
-fn solve(whole: &MapProblem, before: &CalibrationVector, search: &Search) -> Option<CalibrationSolution> {
-    let problem = CalibrationProblem {
-        bundle: whole.problem.clone(),
-        expected: before.map(|error| -error),
-        sigma: search.prior,
-    };
+/// The bundle adjustment with errors of the present calibration unknown: where they are expected, and how exactly.
+fn solve(
+    whole: &MapProblem,
+    expected: CalibrationVector,
+    sigma: CalibrationVector,
+) -> Option<CalibrationSolution> {
+    let problem = CalibrationProblem { bundle: whole.problem.clone(), expected, sigma };
     let options = BundleOptions { max_iterations: ITERATIONS, robust: true, ..BundleOptions::default() };
     refine_calibration(&problem, &options)
 }
 
-/// All keyframes and well observed points as one problem; the root of each sub-map is fixed. `None` if they are too few.
+/// All keyframes and well observed points as one problem; the root of each sub-map is fixed. `None` without keyframes.
 fn whole_map(map: &Map) -> Option<MapProblem> {
     let keyframes: Vec<KeyframeId> = map.keyframes().map(|kf| kf.id).collect();
     let points = map.points().filter(|point| point.observations().len() >= MIN_TRACK).map(|p| p.id).collect();
     let noise = Noise { sigma_px: SIGMA_PX, weighted: false };
-    let whole = MapProblem::new(map, keyframes, points, noise, |id| map.roots().contains(&id))?;
-    (whole.problem.observations.len() >= MIN_OBSERVATIONS).then_some(whole)
+    MapProblem::new(map, keyframes, points, noise, |id| map.roots().contains(&id))
 }

@@ -27,14 +27,15 @@ fn pair_with_error(error_px: f64) -> Pair {
 
 #[test]
 fn an_offset_of_all_disparities_is_found_and_taken_out_of_the_map() {
-    for error_px in [0.15, -0.15] {
+    // Half of a usual offset, for a measurement of it has errors of its own; of a large one all but a fixed amount.
+    for (error_px, rest_px) in [(0.15, 0.09), (-0.15, 0.09), (0.6, 0.2)] {
         let pair = pair_with_error(error_px);
         let world = pair.mapper.world();
         let refined = world.calibration.as_ref().expect("the images tell");
         let left = error_px + refined.errors[4];
         // The frames of the map lack what was found.
         assert!(
-            left.abs() < 0.06 && left.abs() < refined.sigma[4],
+            left.abs() < rest_px && left.abs() < 2.0 * refined.sigma[4],
             "{error_px} px: {refined} leaves {left} px"
         );
         assert_eq!(refined.errors[..4], [0.0; 4], "the scale of a pair is kept");
@@ -47,7 +48,8 @@ fn an_offset_of_all_disparities_is_found_and_taken_out_of_the_map() {
 #[test]
 fn correct_disparities_are_left_alone() {
     let pair = pair_with_error(0.0);
-    assert_eq!(pair.mapper.world().calibration, None);
+    let found_px = pair.mapper.world().calibration.as_ref().map_or(0.0, |found| found.errors[4]);
+    assert!(found_px.abs() < 0.02, "{found_px} px");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use map::{Correction, KeyframeId, MapError, PointCount, PointId};
 
-use crate::loops::{GlobalSolution, LoopCorrection};
+use crate::loops::{GlobalSolution, LoopCorrection, adjust_globally};
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::refine::{Refinement, refined};
@@ -95,10 +95,17 @@ impl Mapper {
         MappingReport { culled_points, triangulated, fused, culled_keyframes, ..adjusted }
     }
 
-    /// Looks at the calibration once more at the end of a run, when the map tells most.
+    /// The last look at the whole map at the end of a run, when it tells most: at the calibration, then at all keyframes and
+    /// points together. Local adjustments hold what lies further back, and so pass its errors on.
     pub fn settle(&mut self, probe: &mut dyn Probe) {
         if self.params.mapping.refine_calibration && self.refinement.fits(self.world.map.n_keyframes()) {
             staged(probe, Stage::Calibrate, || self.calibrate());
+        }
+        if self.params.mapping.final_bundle
+            && let Some(solution) = adjust_globally(&self.world, &self.params, probe)
+        {
+            let adopted = self.adopt(&solution);
+            debug_assert_eq!(adopted, Ok(()));
         }
     }
 

@@ -27,6 +27,8 @@ pub struct MappingParams {
     pub min_depth_points: usize,
     /// Whether the calibration is refined from the map so far (not with depth images).
     pub refine_calibration: bool,
+    /// Whether all keyframes and points are adjusted together after the last frame.
+    pub final_bundle: bool,
 }
 
 impl Default for MappingParams {
@@ -42,6 +44,7 @@ impl Default for MappingParams {
             max_local_keyframes: 40,
             min_depth_points: 100,
             refine_calibration: true,
+            final_bundle: true,
         }
     }
 }
@@ -54,6 +57,7 @@ impl Section for MappingParams {
         integer("mapping.local_ba_second_iterations", "", [0, 1000], "local bundle adjustment: iterations after outliers are removed").expert(),
         real("mapping.keyframe_cull_ratio", "", between(0.1, 1.0), "a keyframe is culled when more than this fraction of its points is seen by three others").expert(),
         flag("mapping.refine_calibration", "refine the calibration from the map so far: focal lengths, center and distortion of one camera, disparities of a pair; what the images do not tell clearly stays"),
+        flag("mapping.final_bundle", "adjust all keyframes and points together after the last frame"),
         real("mapping.point_found_ratio", "", between(0.0, 1.0), "a recent point is culled when it is found in less than this fraction of the frames that should see it").expert(),
     ];
 }
