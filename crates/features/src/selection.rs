@@ -95,9 +95,7 @@ pub fn select(
     };
     let activation: Vec<f32> = contenders.iter().map(trust).collect();
     let step = |i: usize| match config.rule {
-        SelectionRule::Activation | SelectionRule::Places => {
-            (activation[i] * STEPS).min(STEPS - 1.0) as u8
-        }
+        SelectionRule::Activation | SelectionRule::Places => (activation[i] * STEPS).min(STEPS - 1.0) as u8,
         SelectionRule::Semantic | SelectionRule::Response => 0,
     };
     let mut ranked: Vec<usize> = (0..contenders.len()).collect();

@@ -25,7 +25,7 @@ use crate::precision_recall::{Detection, PrecisionRecallCurve, precision_recall}
 use args::Selection;
 use selections::Describer;
 use sight::{Memory, Sight};
-use verify::{Evidence, evidence};
+use verify::{Evidence, best};
 
 pub(crate) use args::{HELP, PlacesArgs};
 
@@ -129,7 +129,7 @@ fn recognize(
                 memories[i].add(old, &sights[i][old])?;
             }
             let candidates = memories[i].candidates(&sight, single);
-            if let Some((retrieved, evidence)) = best(&sight, &candidates, &sights[i], query) {
+            if let Some((retrieved, evidence)) = best(&sight, &candidates, &sights[i], query as u64) {
                 let is_correct = truth.is_correct(query, retrieved);
                 answers[i].push(Answer { query, retrieved, evidence, is_correct });
             }
@@ -138,21 +138,6 @@ fn recognize(
         (host.progress)(query + 1, images.len());
     }
     Ok(answers)
-}
-
-/// The candidate with most inliers, of equals the first, with its evidence; `None` without candidates.
-fn best(
-    sight: &Sight,
-    candidates: &[usize],
-    earlier: &[Sight],
-    query: usize,
-) -> Option<(usize, Option<Evidence>)> {
-    let n_inliers = |evidence: &Option<Evidence>| evidence.map_or(0, |e| e.n_inliers);
-    let with = |&frame: &usize| (frame, evidence(sight, &earlier[frame], query as u64));
-    let better = |best: (usize, Option<Evidence>), other: (usize, Option<Evidence>)| {
-        if n_inliers(&other.1) > n_inliers(&best.1) { other } else { best }
-    };
-    candidates.iter().map(with).reduce(better)
 }
 
 /// The curve of a selection none of whose answers geometry supports.

@@ -170,6 +170,33 @@ mod tests {
         descriptor
     }
 
+    /// A sight whose mean points along an axis, tilted towards the next one.
+    fn look(axis: usize, tilt: f32) -> Sight {
+        let look = Look::Dense { descriptors: Vec::new(), mean: Box::new(unit(axis, tilt)) };
+        Sight { pixels: Vec::new(), trust: Vec::new(), look }
+    }
+
+    #[test]
+    fn the_way_to_a_place_makes_it_a_candidate_before_what_looks_more_alike() {
+        let mut memory = Memory::default();
+        // A way of 40 different looks; frame 30 looks like what will be the last query, 33 nearly so.
+        for frame in 0..40 {
+            memory.add(frame, &look(frame, 0.0)).unwrap();
+        }
+        assert_eq!(memory.candidates(&look(3, 0.0), true), [3]);
+        for frame in 3..8 {
+            memory.candidates(&look(frame, 0.1), false);
+        }
+        let candidates = memory.candidates(&look(30, 0.1), false);
+        assert_eq!(memory.candidates(&look(30, 0.1), true), [30]);
+        assert!(candidates.len() > MOST_FAMILIAR && candidates.contains(&30), "{candidates:?}");
+        assert!(candidates[0].abs_diff(7) <= STEPS as usize + 1, "{candidates:?}");
+        let mut once = candidates.clone();
+        once.sort_unstable();
+        once.dedup();
+        assert_eq!(once.len(), candidates.len());
+    }
+
     #[test]
     fn dense_descriptors_match_each_others_nearest_above_the_limit() {
         let a = [unit(0, 0.0), unit(10, 0.0), unit(20, 0.0), unit(0, 0.3)];

@@ -51,7 +51,11 @@ fn found(prior_margin_m: f64) -> Vec<u32> {
     let world = described(chain(&line(12, 1.0), 16));
     let mut params = params();
     params.camera.prior_margin_m = prior_margin_m;
-    find(KeyframeId(11), &world, &params, &mut Familiarity::default()).unwrap().iter().map(|id| id.0).collect()
+    find(KeyframeId(11), &world, &params, &mut Familiarity::default())
+        .unwrap()
+        .iter()
+        .map(|id| id.0)
+        .collect()
 }
 
 #[test]
