@@ -22,6 +22,10 @@ pub enum SelectionRule {
     /// Places on anything that may move, now or another day, are excluded (second answer below one half); of the rest the strongest
     /// responses are kept.
     Semantic,
+    /// For recognizing places: as `Activation`, but by both answers multiplied, and nothing below one half while there is enough
+    /// else. The evaluation of places uses it; a run selects for tracking as well.
+    #[serde(skip)]
+    Places,
     /// No network: the strongest response, spread over the image as the extractor does it.
     Response,
 }
@@ -75,7 +79,7 @@ pub struct Contender {
 /// Under [`SelectionRule::Activation`] places below `TRUSTED` get a part of what is kept as large as their part of the sum of all
 /// activations, and more only where there are too few trusted ones: near hedges and parked cars say much about the motion of the
 /// camera, and a network errs; what it is sure of to move gets next to nothing. Under [`SelectionRule::Semantic`] they get
-/// nothing; under [`SelectionRule::Response`] activations do not count. Both groups are spread over the image of `size`
+/// nothing, under [`SelectionRule::Places`] what is left over; under [`SelectionRule::Response`] activations do not count. Both groups are spread over the image of `size`
 /// pixels. Ties go to the lower index.
 #[must_use]
 pub fn select(
@@ -86,11 +90,12 @@ pub fn select(
 ) -> Vec<usize> {
     let trust = |c: &Contender| match config.rule {
         SelectionRule::Semantic => map.lasting_at(c.x, c.y),
+        SelectionRule::Places => map.at(c.x, c.y) * map.lasting_at(c.x, c.y),
         SelectionRule::Activation | SelectionRule::Response => map.at(c.x, c.y),
     };
     let activation: Vec<f32> = contenders.iter().map(trust).collect();
     let step = |i: usize| match config.rule {
-        SelectionRule::Activation => (activation[i] * STEPS) as u8,
+        SelectionRule::Activation | SelectionRule::Places => (activation[i] * STEPS).min(STEPS - 1.0) as u8,
         SelectionRule::Semantic | SelectionRule::Response => 0,
     };
     let mut ranked: Vec<usize> = (0..contenders.len()).collect();
@@ -103,6 +108,7 @@ pub fn select(
     };
     let n_others = match config.rule {
         SelectionRule::Semantic | SelectionRule::Response => 0,
+        SelectionRule::Places => others.len().min(config.keep.saturating_sub(trusted.len())),
         SelectionRule::Activation => {
             let sum = |of: &[usize]| of.iter().map(|&i| activation[i]).sum::<f32>();
             let (theirs, rest) = (sum(&others), sum(&trusted));

@@ -93,7 +93,7 @@ fn what_is_missing_comes_from_other_places_by_activation_only() {
 #[test]
 fn spread_features_cover_the_image_more_evenly() {
     // The best of the image are in a narrow band; of each cell the best are everywhere.
-    let band = || Raster::from_fn(16, 1, |x, _| if (6..10).contains(&x) { 1.0 } else { 0.8 });
+    let band = || Raster::from_fn(16, 1, |x, _| if (6..10).contains(&x) { 1.0 } else { 0.7 });
     let in_band = |features: &Features| {
         let width = image().width as f32;
         let inside = |x: f32| (0.37..0.63).contains(&(x / width));
@@ -113,6 +113,47 @@ fn of_equally_trusted_places_the_strongest_responses_are_kept() {
         features.keypoints.iter().map(|k| k.response).min_by(f32::total_cmp).expect("there are some");
     let stronger = all.keypoints.iter().filter(|k| k.response > weakest).count();
     assert!(stronger <= 200 && features.keypoints.len() == 200);
+}
+
+#[test]
+fn full_activation_is_no_step_of_its_own() {
+    // A network that fades to "no opinion" answers 1 here and nearly 1 there, which says nothing about the features.
+    let anywhere = SelectionConfig { spread: Spread::Anywhere, ..ACTIVATION };
+    let of = |left: f32| selected(anywhere, halves(left, 1.0)).0;
+    assert_eq!(of(0.999), of(1.0));
+    assert_eq!(of(0.76), of(1.0));
+    assert_ne!(of(0.7), of(1.0));
+}
+
+#[test]
+fn places_need_both_answers_and_take_others_only_where_those_are_too_few() {
+    #[derive(Debug)]
+    struct Both(Raster<f32>, Raster<f32>);
+    impl ActivationSource for Both {
+        fn activation(&self, image: &GrayImage) -> Result<ActivationMap, ActivationError> {
+            let map = ActivationMap::new(self.0.clone(), image.width, image.height);
+            map.and_then(|map| map.with_lasting(self.1.clone())).ok_or(ActivationError::Unknown)
+        }
+    }
+    let places = SelectionConfig { rule: SelectionRule::Places, spread: Spread::Anywhere, keep: 200 };
+    let of = |now: Raster<f32>, later: Raster<f32>, keep: usize| {
+        let mut extractor = Extractor::new(config());
+        let config = SelectionConfig { keep, ..places };
+        extractor.extract_selected(&image(), &config, &Both(now, later)).expect("maps of one size").features
+    };
+    let (all, parked) = (Raster::new(64, 8, 0.9), halves(0.1, 0.9));
+    let width = image().width as f32;
+    let within = |features: &Features| features.keypoints.iter().all(|k| k.x > 0.49 * width);
+    for (now, later) in [(all.clone(), parked.clone()), (parked.clone(), all.clone())] {
+        let kept = of(now, later, 200);
+        assert!(kept.keypoints.len() == 200 && within(&kept));
+    }
+    let n = Extractor::new(config()).extract(&image()).keypoints.len();
+    assert_eq!(of(all.clone(), parked, n).keypoints.len(), n, "others fill what is missing");
+    assert_eq!(
+        of(all.clone(), all, 200),
+        selected(SelectionConfig { rule: SelectionRule::Activation, ..places }, Raster::new(4, 4, 0.81)).0
+    );
 }
 
 #[test]

@@ -32,6 +32,13 @@ pub(crate) struct Alike {
     pub(crate) score: f64,
 }
 
+impl Alike {
+    /// As the place index has it.
+    pub(crate) fn as_match(&self) -> PlaceMatch {
+        PlaceMatch { keyframe: self.keyframe.0, shared_words: self.shared_words, score: self.score }
+    }
+}
+
 impl fmt::Debug for KeyframeDatabase {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("KeyframeDatabase").field("keyframes", &self.index.len()).finish_non_exhaustive()

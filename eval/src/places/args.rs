@@ -11,8 +11,9 @@ Examples:
   dsslam eval places kitti/sequences/06 --out /tmp/places
   dsslam eval places town --selection trad --every 2 --out /tmp/places
 
-Selections: trad (highest response), seman (the same off what may move), ours (highest activation).
-By default, words are weighted by activation; --set weights.words=false weights all words equally.
+Selections: trad (highest response), seman (the same off what may move), ours (highest activation
+of what will still be there another day).
+By default, words are weighted by what will still be there; --set weights.words=false weights all words equally.
 Files: areas.csv (a row per selection), places.csv (a row per query), curves.csv, precision_recall.png and .svg.";
 
 /// Arguments of `dsslam eval places`.
@@ -49,6 +50,10 @@ pub(crate) struct PlacesArgs {
     /// Maximum angle between their viewing directions, degrees; 180 accepts opposite directions.
     #[arg(long, value_name = "DEG", default_value_t = 45.0)]
     pub(super) max_angle: f64,
+    /// Answers with the most similar earlier frame alone, as in the paper; the default also counts the images before, and lets
+    /// geometry choose among 15.
+    #[arg(long)]
+    pub(super) single: bool,
     /// Dense learned features instead of ORB: XFeat as ONNX.
     #[arg(long, value_name = "FILE")]
     pub(super) features_model: Option<PathBuf>,
@@ -89,7 +94,7 @@ pub(super) enum Selection {
     Trad,
     /// Highest response off what may move.
     Seman,
-    /// Highest activation.
+    /// Highest activation of what is lasting.
     Ours,
 }
 

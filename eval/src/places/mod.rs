@@ -1,6 +1,7 @@
 //! `dsslam eval places`: recognizes places with 500 features of three selections, as the DSFeat paper's second table does. For
-//! each frame the most similar earlier one is retrieved; the mean epipolar error of the RANSAC inliers between both is its
-//! score, and a threshold on it that rises gives the precision-recall curve.
+//! each frame the most familiar and the most similar earlier ones are retrieved, and the one with which most matches agree is the
+//! answer; the mean epipolar error of the RANSAC inliers between both, or their number, is its score, and a threshold on it
+//! gives the precision-recall curve.
 
 mod args;
 mod selections;
@@ -24,7 +25,7 @@ use crate::precision_recall::{Detection, PrecisionRecallCurve, precision_recall}
 use args::Selection;
 use selections::Describer;
 use sight::{Memory, Sight};
-use verify::{Evidence, evidence};
+use verify::{Evidence, best};
 
 pub(crate) use args::{HELP, PlacesArgs};
 
@@ -98,7 +99,7 @@ pub(crate) fn run(args: &PlacesArgs, host: &Host<'_>) -> Result<String> {
     io::create_output_folder(&args.out)?;
     let images: Vec<&Path> =
         sequence.frames.iter().step_by(args.every as usize).map(|frame| frame.left.as_path()).collect();
-    let answers = recognize(&images, &truth, args.min_gap(), &mut describer, host)?;
+    let answers = recognize(&images, &truth, (args.min_gap(), args.single), &mut describer, host)?;
     let outcomes: Vec<Outcome> = selections
         .iter()
         .zip(answers)
@@ -112,7 +113,7 @@ pub(crate) fn run(args: &PlacesArgs, host: &Host<'_>) -> Result<String> {
 fn recognize(
     images: &[&Path],
     truth: &LoopTruth,
-    min_gap: usize,
+    (min_gap, single): (usize, bool),
     describer: &mut Describer,
     host: &Host<'_>,
 ) -> Result<Vec<Vec<Answer>>> {
@@ -127,8 +128,8 @@ fn recognize(
             if let Some(old) = query.checked_sub(min_gap) {
                 memories[i].add(old, &sights[i][old])?;
             }
-            if let Some(retrieved) = memories[i].most_similar(&sight) {
-                let evidence = evidence(&sight, &sights[i][retrieved], query as u64);
+            let candidates = memories[i].candidates(&sight, single);
+            if let Some((retrieved, evidence)) = best(&sight, &candidates, &sights[i], query as u64) {
                 let is_correct = truth.is_correct(query, retrieved);
                 answers[i].push(Answer { query, retrieved, evidence, is_correct });
             }

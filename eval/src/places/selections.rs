@@ -64,7 +64,7 @@ impl Describer {
             let rule = match selection {
                 Selection::Trad => SelectionRule::Response,
                 Selection::Seman => SelectionRule::Semantic,
-                Selection::Ours => SelectionRule::Activation,
+                Selection::Ours => SelectionRule::Places,
             };
             let spread = if args.cells { Spread::Cells } else { Spread::Anywhere };
             (selection, SelectionConfig { rule, keep: args.keep as usize, spread })
@@ -123,6 +123,7 @@ fn learned(
     let kept = select(&contenders, map, config, size);
     let trusted = |x: f32, y: f32| match config.rule {
         SelectionRule::Activation => map.at(x, y),
+        SelectionRule::Places => map.at(x, y) * map.lasting_at(x, y),
         SelectionRule::Semantic => f32::from(u8::from(map.lasting_at(x, y) >= 0.5)),
         SelectionRule::Response => 1.0,
     };

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use anyhow::{Result, anyhow};
-use bow::{BowVector, DirectIndex, MatchOptions, MatchSide, PlaceIndex, match_by_node};
+use bow::{
+    BowVector, DirectIndex, Familiarity, MatchOptions, MatchSide, PlaceIndex, PlaceMatch, match_by_node,
+};
 use features::{Descriptor, Keypoint};
 use geometry::Vec2;
 
@@ -11,6 +13,11 @@ use super::xfeat::{DENSE_CHANNELS, DenseDescriptor};
 
 /// Smallest cosine of two dense descriptors that match (XFeat's own value).
 const MIN_COSINE: f32 = 0.82;
+/// Frames before and after one from which the camera may have come to it since the image before.
+const STEPS: u32 = 2;
+/// Frames whose geometry is looked at: the most familiar ones, and those that look most alike.
+const MOST_FAMILIAR: usize = 10;
+const MOST_ALIKE: usize = 5;
 
 /// The features of an image that a selection keeps.
 #[derive(Clone, Debug)]
@@ -40,7 +47,8 @@ pub(super) enum Look {
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     words: PlaceIndex,
-    means: Vec<(usize, DenseDescriptor)>,
+    means: Vec<(u32, DenseDescriptor)>,
+    familiarity: Familiarity,
 }
 
 impl Memory {
@@ -53,23 +61,50 @@ impl Memory {
             Look::Sparse { bow, .. } => {
                 self.words.add(frame as u32, bow.clone()).map_err(|_| anyhow!("frame {frame} came twice"))?;
             }
-            Look::Dense { mean, .. } => self.means.push((frame, **mean)),
+            Look::Dense { mean, .. } => self.means.push((frame as u32, **mean)),
         }
         Ok(())
     }
 
-    /// The frame that looks most like an image; of equals the earliest.
-    pub(super) fn most_similar(&self, sight: &Sight) -> Option<usize> {
-        match &sight.look {
-            Look::Sparse { bow, .. } => {
-                self.words.query(bow, |_| false).first().map(|found| found.keyframe as usize)
+    /// The frames that may show the place of the next image: those that are most familiar after it, then those that look most
+    /// like it; with `single` the one that looks most like it alone. Of equals the earliest comes first.
+    pub(super) fn candidates(&mut self, sight: &Sight, single: bool) -> Vec<usize> {
+        let found = self.alike(sight);
+        let mut candidates: Vec<u32> = Vec::new();
+        let n_alike = if single { 1 } else { MOST_ALIKE };
+        if !single {
+            let beside = |frame: u32| frame.saturating_sub(STEPS)..=frame + STEPS;
+            let familiar = self.familiarity.advance(&found, beside);
+            candidates.extend(familiar.iter().take(MOST_FAMILIAR).map(|place| place.keyframe));
+        }
+        for place in found.iter().take(n_alike) {
+            if !candidates.contains(&place.keyframe) {
+                candidates.push(place.keyframe);
             }
+        }
+        candidates.into_iter().map(|frame| frame as usize).collect()
+    }
+
+    /// Earlier frames with how much they look like an image, best first, of equals the earliest.
+    fn alike(&self, sight: &Sight) -> Vec<PlaceMatch> {
+        match &sight.look {
+            Look::Sparse { bow, .. } => self.words.query(bow, |_| false),
             Look::Dense { mean, .. } => {
-                let distance = |other: &DenseDescriptor| -> f32 {
-                    (0..DENSE_CHANNELS).map(|i| (mean[i] - other[i]).powi(2)).sum()
+                let distance = |other: &DenseDescriptor| -> f64 {
+                    (0..DENSE_CHANNELS).map(|i| f64::from(mean[i] - other[i]).powi(2)).sum()
                 };
-                let nearest = self.means.iter().min_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)));
-                nearest.map(|&(frame, _)| frame)
+                let distances: Vec<(u32, f64)> =
+                    self.means.iter().map(|(frame, other)| (*frame, distance(other))).collect();
+                // From 0 for the least similar to 1 for an equal one, so that differences count in sums.
+                let farthest = distances.iter().fold(f64::MIN_POSITIVE, |most, d| most.max(d.1));
+                let place = |&(keyframe, distance): &(u32, f64)| PlaceMatch {
+                    keyframe,
+                    shared_words: 0,
+                    score: 1.0 - distance / farthest,
+                };
+                let mut found: Vec<PlaceMatch> = distances.iter().map(place).collect();
+                found.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.keyframe.cmp(&b.keyframe)));
+                found
             }
         }
     }
@@ -133,6 +168,33 @@ mod tests {
         descriptor[axis] = (1.0 - tilt * tilt).sqrt();
         descriptor[axis + 1] = tilt;
         descriptor
+    }
+
+    /// A sight whose mean points along an axis, tilted towards the next one.
+    fn look(axis: usize, tilt: f32) -> Sight {
+        let look = Look::Dense { descriptors: Vec::new(), mean: Box::new(unit(axis, tilt)) };
+        Sight { pixels: Vec::new(), trust: Vec::new(), look }
+    }
+
+    #[test]
+    fn the_way_to_a_place_makes_it_a_candidate_before_what_looks_more_alike() {
+        let mut memory = Memory::default();
+        // A way of 40 different looks; frame 30 looks like what will be the last query, 33 nearly so.
+        for frame in 0..40 {
+            memory.add(frame, &look(frame, 0.0)).unwrap();
+        }
+        assert_eq!(memory.candidates(&look(3, 0.0), true), [3]);
+        for frame in 3..8 {
+            memory.candidates(&look(frame, 0.1), false);
+        }
+        let candidates = memory.candidates(&look(30, 0.1), false);
+        assert_eq!(memory.candidates(&look(30, 0.1), true), [30]);
+        assert!(candidates.len() > MOST_FAMILIAR && candidates.contains(&30), "{candidates:?}");
+        assert!(candidates[0].abs_diff(7) <= STEPS as usize + 1, "{candidates:?}");
+        let mut once = candidates.clone();
+        once.sort_unstable();
+        once.dedup();
+        assert_eq!(once.len(), candidates.len());
     }
 
     #[test]

@@ -9,6 +9,8 @@ use super::sight::Sight;
 const THRESHOLD_PX: f64 = 1.96;
 /// Fewer inliers than this say nothing: a fundamental matrix fits eight matches exactly.
 const MIN_INLIERS: usize = 12;
+/// A feature of one image and one of another.
+type Match = (usize, usize);
 /// Purpose of the random numbers.
 const SEED_PURPOSE: u64 = 77;
 
@@ -21,9 +23,35 @@ pub(super) struct Evidence {
     pub(super) n_inliers: usize,
 }
 
+/// The candidate with most inliers, of equals the first, with its evidence; the first candidate where none has enough; `None`
+/// without candidates.
+pub(super) fn best(
+    sight: &Sight,
+    candidates: &[usize],
+    earlier: &[Sight],
+    seed: u64,
+) -> Option<(usize, Option<Evidence>)> {
+    let mut matched: Vec<(usize, Vec<Match>)> =
+        candidates.iter().map(|&frame| sight.matches(&earlier[frame])).enumerate().collect();
+    // Inliers are matches: the search ends with the first candidate that has fewer of these than another has inliers.
+    matched.sort_by_key(|(rank, matches)| (std::cmp::Reverse(matches.len()), *rank));
+    let mut best: Option<(usize, Evidence)> = None;
+    for (rank, matches) in matched {
+        if matches.len() < best.map_or(MIN_INLIERS, |(_, evidence)| evidence.n_inliers) {
+            break;
+        }
+        let Some(found) = evidence(sight, &earlier[candidates[rank]], &matches, seed) else { continue };
+        let order = |rank, evidence: &Evidence| (evidence.n_inliers, std::cmp::Reverse(rank));
+        if best.is_none_or(|(first, best)| order(rank, &found) > order(first, &best)) {
+            best = Some((rank, found));
+        }
+    }
+    let (rank, found) = best.map_or((0, None), |(rank, evidence)| (rank, Some(evidence)));
+    Some((*candidates.get(rank)?, found))
+}
+
 /// The evidence that `a` and `b` show one scene; `None` with too few inliers.
-pub(super) fn evidence(a: &Sight, b: &Sight, seed: u64) -> Option<Evidence> {
-    let matches = a.matches(b);
+fn evidence(a: &Sight, b: &Sight, matches: &[Match], seed: u64) -> Option<Evidence> {
     let pixels_a: Vec<Vec2> = matches.iter().map(|m| a.pixels[m.0]).collect();
     let pixels_b: Vec<Vec2> = matches.iter().map(|m| b.pixels[m.1]).collect();
     let weights: Vec<f64> = matches.iter().map(|m| a.trust[m.0] * b.trust[m.1]).collect();

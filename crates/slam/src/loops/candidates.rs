@@ -1,9 +1,9 @@
-//! Which keyframes may show the same place: those that look alike, and those that should be near (ORB-SLAM,
-//! Mur-Artal et al. 2015, section VII-A).
+//! Which keyframes may show the same place: those that look alike, the one that has been familiar for some keyframes, and those
+//! that should be near (ORB-SLAM, Mur-Artal et al. 2015, section VII-A).
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use bow::BowVector;
+use bow::{BowVector, Familiarity, PlaceMatch};
 use map::{KeyframeId, Map};
 
 use super::outcome::NoLoop;
@@ -22,12 +22,20 @@ const GROUP_SIZE: usize = 10;
 const NEARBY_SCORE: f64 = 0.5;
 /// Keyframes near by position that are looked at.
 const MAX_NEARBY: usize = 2;
+/// The most familiar keyframe must be this much more familiar than any that shares no points with it. In rendered towns driven a
+/// second time in other light, most of the right ones are; one in twenty of the others is.
+const MIN_CONTRAST: f64 = 1.1;
 
-/// Keyframes that may show the place of `keyframe`, best first.
+/// Keyframes that may show the place of `keyframe`, best first; `familiarity` takes what it looks like.
 ///
 /// # Errors
 /// Why there is none.
-pub(super) fn find(keyframe: KeyframeId, world: &World, params: &Params) -> Result<Vec<KeyframeId>, NoLoop> {
+pub(super) fn find(
+    keyframe: KeyframeId,
+    world: &World,
+    params: &Params,
+    familiarity: &mut Familiarity,
+) -> Result<Vec<KeyframeId>, NoLoop> {
     let map = &world.map;
     let (Some(current), Some((bow, _))) = (map.keyframe(keyframe), world.places.of(keyframe)) else {
         return Err(NoLoop::NoPlaces);
@@ -41,10 +49,26 @@ pub(super) fn find(keyframe: KeyframeId, world: &World, params: &Params) -> Resu
     let mut found = strongest_groups(map, &alike, min_score);
     let similar = alike.iter().filter(|a| a.score >= NEARBY_SCORE * min_score);
     let similar: BTreeSet<KeyframeId> = similar.map(|a| a.keyframe).collect();
+    found.extend(most_familiar(map, &alike, familiarity));
     found.extend(prior.nearby(MAX_NEARBY, |id| similar.contains(&id)));
     let mut once = BTreeSet::new();
     found.retain(|id| once.insert(*id));
     if found.is_empty() { Err(NoLoop::Alone { best_score, min_score }) } else { Ok(found) }
+}
+
+/// The keyframe that has been most familiar, if it stands out.
+fn most_familiar(map: &Map, alike: &[Alike], familiarity: &mut Familiarity) -> Option<KeyframeId> {
+    let found: Vec<PlaceMatch> = alike.iter().map(Alike::as_match).collect();
+    let neighbors = |id: u32| {
+        let covisible = map.keyframe(KeyframeId(id)).map_or(&[][..], |k| k.best_covisible(GROUP_SIZE));
+        covisible.iter().map(|&(neighbor, _)| neighbor.0)
+    };
+    let familiar = familiarity.advance(&found, neighbors);
+    let best = familiar.first()?;
+    let around: BTreeSet<u32> =
+        map.keyframe(KeyframeId(best.keyframe))?.covisible().iter().map(|&(id, _)| id.0).collect();
+    let elsewhere = familiar[1..].iter().find(|place| !around.contains(&place.keyframe))?;
+    (best.familiarity >= MIN_CONTRAST * elsewhere.familiarity).then_some(KeyframeId(best.keyframe))
 }
 
 /// The lowest score with a keyframe that certainly shows the same place.

@@ -10,6 +10,7 @@ mod outcome;
 mod position_prior;
 mod verify;
 
+use bow::Familiarity;
 use map::{Correction, KeyframeId, PointId};
 
 use crate::params::Params;
@@ -48,6 +49,8 @@ pub struct LoopCorrection {
 pub struct LoopCloser {
     params: Params,
     consistency: Consistency,
+    /// How familiar places have been to the keyframes so far.
+    familiarity: Familiarity,
     /// The keyframe at which the last loop was found.
     last_loop: Option<KeyframeId>,
 }
@@ -55,7 +58,12 @@ pub struct LoopCloser {
 impl LoopCloser {
     /// A loop closer that has seen nothing.
     pub fn new(params: Params) -> Self {
-        LoopCloser { params, consistency: Consistency::default(), last_loop: None }
+        LoopCloser {
+            params,
+            consistency: Consistency::default(),
+            familiarity: Familiarity::default(),
+            last_loop: None,
+        }
     }
 
     /// Whether `keyframe`, whose mapping is done in `world`, sees a place again.
@@ -69,6 +77,7 @@ impl LoopCloser {
             match self.close(keyframe, candidate, world, probe) {
                 Ok(found) => {
                     self.consistency.clear();
+                    self.familiarity.clear();
                     self.last_loop = Some(keyframe);
                     return LoopOutcome::Closed(Box::new(found));
                 }
@@ -94,8 +103,8 @@ impl LoopCloser {
         if keyframes < needed {
             return Err(NoLoop::TooEarly { keyframes, needed });
         }
-        let found =
-            candidates::find(keyframe, world, &self.params).inspect_err(|_| self.consistency.clear())?;
+        let found = candidates::find(keyframe, world, &self.params, &mut self.familiarity)
+            .inspect_err(|_| self.consistency.clear())?;
         let needed = params.consistency;
         let (accepted, seen) = self.consistency.advance(&world.map, &found, needed);
         if accepted.is_empty() { Err(NoLoop::NotYetConsistent { seen, needed }) } else { Ok(accepted) }

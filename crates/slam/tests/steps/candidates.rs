@@ -51,7 +51,11 @@ fn found(prior_margin_m: f64) -> Vec<u32> {
     let world = described(chain(&line(12, 1.0), 16));
     let mut params = params();
     params.camera.prior_margin_m = prior_margin_m;
-    find(KeyframeId(11), &world, &params).unwrap().iter().map(|id| id.0).collect()
+    find(KeyframeId(11), &world, &params, &mut Familiarity::default())
+        .unwrap()
+        .iter()
+        .map(|id| id.0)
+        .collect()
 }
 
 #[test]
@@ -83,7 +87,7 @@ fn nearby(n: u32, n_same: usize) -> Result<Vec<KeyframeId>, NoLoop> {
     add(&mut map, scene.frame(n, &SE3::identity(), &all), &SE3::identity(), &[], &new);
     let matches: Vec<(u32, u32)> = (0..20).map(|i| (i, next + i)).collect();
     let current = add(&mut map, scene.frame(n + 1, &SE3::identity(), &all), &SE3::identity(), &matches, &[]);
-    find(current, &described(map), &params())
+    find(current, &described(map), &params(), &mut Familiarity::default())
 }
 
 #[test]
@@ -105,5 +109,20 @@ fn the_two_nearest_are_enough() {
 fn without_a_description_no_place_is_recognized() {
     let map = chain(&[SE3::identity()], 16);
     let world = World { map, ..World::default() };
-    assert_eq!(find(KeyframeId(0), &world, &params()), Err(NoLoop::NoPlaces));
+    assert_eq!(find(KeyframeId(0), &world, &params(), &mut Familiarity::default()), Err(NoLoop::NoPlaces));
+}
+
+#[test]
+fn the_most_familiar_keyframe_is_a_candidate_if_it_stands_out() {
+    let map = chain(&line(12, 1.0), 16);
+    let mut familiarity = Familiarity::default();
+    let mut of = |list: &[(u32, f64)]| {
+        let list: Vec<(u32, u32, f64)> = list.iter().map(|&(id, score)| (id, 9, score)).collect();
+        most_familiar(&map, &alike(&list), &mut familiarity)
+    };
+    // 2, 3 and 4 are neighbors in turn; 8, 11 and 6 are not.
+    assert_eq!(of(&[(2, 0.2), (8, 0.21)]), None, "one keyframe tells little");
+    assert_eq!(of(&[(3, 0.2), (11, 0.3)]), None);
+    assert_eq!(of(&[(4, 0.2), (6, 0.3)]), Some(KeyframeId(4)), "0.54 against 0.3");
+    assert_eq!(of(&[(4, 0.2)]), None, "there is nothing else to compare with");
 }
