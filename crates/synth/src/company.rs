@@ -1,0 +1,114 @@
+//! Vehicles that stay with us and fill much of the view: a jam, lorries that overtake, a column in the next lane.
+
+use crate::drive::LANE_M;
+use crate::mover::{Kind, Path, VISIBLE_M};
+use crate::noise::Wander;
+use crate::preset::Company;
+use geometry::mix_seed;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// The lane to the left of ours, meters to the right of the center line.
+const NEXT_LANE_M: f64 = -1.5;
+/// Clear road between two vehicles of a column, meters.
+const BETWEEN_M: [f64; 2] = [2.0, 4.5];
+/// Clear road before our camera behind the first vehicle of a jam, meters.
+const JAM_GAP_M: f64 = 3.0;
+/// By how many seconds each vehicle of a jam is ahead of the next.
+const JAM_REACTION_S: f64 = 0.45;
+/// Mean speed of the next lane in a jam, and how far it runs ahead of that or falls behind, meters.
+const JAM_LANE_SPEED: f64 = 2.4;
+const JAM_SWAY_M: f64 = 4.0;
+/// Speed of a column, which is about as fast as we are, and its sway, meters.
+const COLUMN_SPEED: [f64; 2] = [9.0, 10.4];
+const COLUMN_SWAY_M: f64 = 1.5;
+/// When the first lorry is beside us, and the time from one lorry to the next, seconds.
+const FIRST_LORRY_S: f64 = 6.0;
+const LORRY_EVERY_S: [f64; 2] = [17.0, 21.0];
+
+/// The vehicles, whose kinds are chosen from `large` ones and `any`; `duration_s` is the length of our drive.
+pub(crate) fn vehicles(
+    company: Company,
+    large: &[Kind],
+    any: &[Kind],
+    (duration_s, length_m): (f64, f64),
+    seed: u64,
+) -> Vec<(Kind, Path)> {
+    let rng = ChaCha8Rng::seed_from_u64(mix_seed(seed, 0, 8));
+    let mut planner = Planner { large, any, rng, seed };
+    match company {
+        Company::None => Vec::new(),
+        Company::Jam => {
+            let sway = Wander::new(JAM_SWAY_M, &[1.0 / 21.0, 1.0 / 13.0], seed ^ 0x1a);
+            let lane = planner.column(JAM_LANE_SPEED, &sway, (duration_s, length_m));
+            planner.queue().into_iter().chain(lane).collect()
+        }
+        Company::Lorries => planner.lorries(duration_s),
+        Company::Column => {
+            let sway = Wander::new(COLUMN_SWAY_M, &[1.0 / 29.0, 1.0 / 17.0], seed ^ 0x1b);
+            let speed = planner.rng.random_range(COLUMN_SPEED[0]..COLUMN_SPEED[1]);
+            planner.column(speed, &sway, (duration_s, length_m))
+        }
+    }
+}
+
+struct Planner<'a> {
+    large: &'a [Kind],
+    any: &'a [Kind],
+    rng: ChaCha8Rng,
+    seed: u64,
+}
+
+impl Planner<'_> {
+    fn pick(&mut self, large: f64) -> Kind {
+        let kinds = if self.rng.random_bool(large) { self.large } else { self.any };
+        kinds[self.rng.random_range(0..kinds.len())]
+    }
+
+    fn gap(&mut self) -> f64 {
+        self.rng.random_range(BETWEEN_M[0]..BETWEEN_M[1])
+    }
+
+    /// The vehicles before us in our own lane; the first is a large one.
+    fn queue(&mut self) -> Vec<(Kind, Path)> {
+        let (mut rear, mut queue) = (JAM_GAP_M, Vec::new());
+        let mut place = 1.0;
+        while rear < VISIBLE_M {
+            let kind = self.pick(if queue.is_empty() { 1.0 } else { 0.4 });
+            let length = kind.model.size().length;
+            let headway = Wander::new(0.12, &[1.0 / 11.0, 1.0 / 7.0], self.seed ^ 0x1c);
+            let path = Path::Leader { headway, mean_s: JAM_REACTION_S * place, gap_m: rear + 0.5 * length };
+            queue.push((kind, path));
+            rear += length + self.gap();
+            place += 1.0;
+        }
+        queue
+    }
+
+    /// Vehicles nose to tail in the next lane, from beginning to end of our drive.
+    fn column(&mut self, speed: f64, sway: &Wander, (duration_s, length_m): (f64, f64)) -> Vec<(Kind, Path)> {
+        let slip = length_m - speed * duration_s;
+        let (first, last) = (slip.min(0.0) - 40.0, slip.max(0.0) + VISIBLE_M);
+        let (mut rear, mut column) = (first, Vec::new());
+        while rear < last {
+            let kind = self.pick(0.75);
+            let length = kind.model.size().length;
+            let path = Path::Lane { start: rear + 0.5 * length, speed, sway: sway.clone(), lateral: NEXT_LANE_M };
+            column.push((kind, path));
+            rear += length + self.gap();
+        }
+        column
+    }
+
+    /// Lorries that overtake us one after another.
+    fn lorries(&mut self, duration_s: f64) -> Vec<(Kind, Path)> {
+        let (mut beside, mut lorries) = (FIRST_LORRY_S, Vec::new());
+        while beside < duration_s {
+            let kind = self.pick(1.0);
+            let half_m = 0.5 * kind.model.size().length;
+            lorries.push((kind, Path::Overtaking { beside, half_m, lanes: [NEXT_LANE_M, LANE_M] }));
+            beside += self.rng.random_range(LORRY_EVERY_S[0]..LORRY_EVERY_S[1]);
+        }
+        lorries
+    }
+}

@@ -1,0 +1,106 @@
+//! Vehicles that drive: where each is at any time.
+
+use crate::course::Course;
+use crate::drive::{Drive, LANE_M};
+use crate::mesh::{Placement, V3};
+use crate::noise::Wander;
+use crate::vehicle_paint::Model;
+
+/// Vehicles within this distance of us are drawn, meters along the course.
+pub(crate) const VISIBLE_M: f64 = 170.0;
+
+/// A kind of vehicle that can be placed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kind {
+    pub(crate) mesh: u32,
+    pub(crate) model: Model,
+}
+
+/// Something that drives.
+#[derive(Clone, Debug)]
+pub(crate) struct Mover {
+    pub(crate) kind: Kind,
+    pub(crate) gain: f64,
+    pub(crate) path: Path,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Path {
+    /// Meets us at `s` (meters driven) at time `t`, coming with `speed`.
+    Oncoming { s: f64, t: f64, speed: f64, lateral: f64 },
+    /// Along a side street: at its middle at time `t`, `sign` +1 from left to right.
+    Crossing { center: V3, right: V3, sign: f64, t: f64, speed: f64, lateral: f64, reach: [f64; 2] },
+    /// `gap_m` beyond where we shall be after `mean_s + headway(t)` seconds.
+    Leader { headway: Wander, mean_s: f64, gap_m: f64 },
+    /// In our direction, `start + speed t + sway(t)` meters along the course.
+    Lane { start: f64, speed: f64, sway: Wander, lateral: f64 },
+    /// Overtakes us, its middle beside us at time `beside`; changes from the first of the `lanes` to the second, stays ahead of us
+    /// and leaves. `half_m` is half its length.
+    Overtaking { beside: f64, half_m: f64, lanes: [f64; 2] },
+}
+
+/// How much faster a lorry is while it overtakes, m/s, clear road between our camera and it when it begins to change lanes, meters,
+/// for how long it stays ahead, seconds, and how it leaves, m/s^2.
+const OVERTAKING_SPEED: f64 = 2.2;
+const AHEAD_GAP_M: f64 = 0.8;
+const AHEAD_S: f64 = 8.0;
+const LEAVING: f64 = 1.4;
+/// Time in which it changes the lane, seconds.
+const LANE_CHANGE_S: f64 = 2.4;
+
+/// How far the middle of an overtaking vehicle is ahead of us `since` seconds after it was beside us, and how much of the change of
+/// lanes is done.
+fn overtaking(since: f64, half_m: f64) -> (f64, f64) {
+    let ahead_m = half_m + AHEAD_GAP_M;
+    let arrived = since - ahead_m / OVERTAKING_SPEED;
+    if arrived <= 0.0 {
+        return (OVERTAKING_SPEED * since, 0.0);
+    }
+    let changed = (arrived / LANE_CHANGE_S).min(1.0);
+    let leaving = (arrived - AHEAD_S).max(0.0);
+    // It slows down to our speed over the change of lanes.
+    let settled = OVERTAKING_SPEED * LANE_CHANGE_S * (changed - 0.5 * changed * changed);
+    (ahead_m + settled + 0.5 * LEAVING * leaving * leaving, changed * changed * (3.0 - 2.0 * changed))
+}
+
+impl Mover {
+    /// Where it is at time `t`; `None` while it is out of sight.
+    pub(crate) fn placement(&self, course: &Course, drive: &Drive, t: f64) -> Option<Placement> {
+        match &self.path {
+            Path::Oncoming { s, t: meet, speed, lateral } => {
+                let here = s - speed * (t - meet);
+                if (here - drive.driven(t)).abs() > VISIBLE_M {
+                    return None;
+                }
+                let mut placement = course.at(here).beside(*lateral);
+                placement.yaw += std::f64::consts::PI;
+                Some(placement)
+            }
+            Path::Crossing { center, right, sign, t: middle, speed, lateral, reach } => {
+                let along = sign * speed * (t - middle);
+                if along < -reach[0] || along > reach[1] {
+                    return None;
+                }
+                let dir = right * *sign;
+                let own_right = V3::y().cross(&dir);
+                let position = center + right * along + own_right * *lateral;
+                Some(Placement { position, yaw: dir.x.atan2(dir.z) })
+            }
+            Path::Leader { headway, mean_s, gap_m } => {
+                let ahead = drive.driven(t + mean_s + headway.at(t)) + gap_m;
+                let station = course.at(ahead);
+                Some(station.beside(LANE_M))
+            }
+            Path::Lane { start, speed, sway, lateral } => {
+                let here = start + speed * t + sway.at(t);
+                ((here - drive.driven(t)).abs() < VISIBLE_M).then(|| course.at(here).beside(*lateral))
+            }
+            Path::Overtaking { beside, half_m, lanes: [from, to] } => {
+                let (ahead, changed) = overtaking(t - beside, *half_m);
+                let seen = (-2.0 * half_m - 5.0..VISIBLE_M).contains(&ahead);
+                seen.then(|| course.at(drive.driven(t) + ahead).beside(from + (to - from) * changed))
+            }
+        }
+    }
+}
+
