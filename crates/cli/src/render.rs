@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use anyhow::{Result, anyhow, ensure};
-use synth::{Continue, Preset, World, WriteOptions, write_euroc, write_kitti};
+use synth::{Continue, World, WriteOptions, write_euroc, write_kitti};
 
 use crate::args::{LayoutArg, SynthArgs, WorldArgs};
 use crate::console;

@@ -13,7 +13,7 @@ const NEXT_LANE_M: f64 = -1.5;
 /// Clear road between two vehicles of a column, meters.
 const BETWEEN_M: [f64; 2] = [2.0, 4.5];
 /// Clear road before our camera behind the first vehicle of a jam, meters.
-const JAM_GAP_M: f64 = 3.0;
+const JAM_GAP_M: f64 = 4.5;
 /// By how many seconds each vehicle of a jam is ahead of the next.
 const JAM_REACTION_S: f64 = 0.45;
 /// Mean speed of the next lane in a jam, and how far it runs ahead of that or falls behind, meters.
@@ -22,9 +22,16 @@ const JAM_SWAY_M: f64 = 4.0;
 /// Speed of a column, which is about as fast as we are, and its sway, meters.
 const COLUMN_SPEED: [f64; 2] = [9.0, 10.4];
 const COLUMN_SWAY_M: f64 = 1.5;
-/// When the first lorry is beside us, and the time from one lorry to the next, seconds.
-const FIRST_LORRY_S: f64 = 6.0;
-const LORRY_EVERY_S: [f64; 2] = [17.0, 21.0];
+/// Distance to the vehicle ahead beside a column, seconds and meters.
+const COLUMN_HEADWAY_S: f64 = 0.4;
+const COLUMN_GAP_M: f64 = 4.5;
+/// When the first lorry is beside us, the time from one to the next pair, and by how much the second follows, seconds.
+const FIRST_LORRY_S: f64 = 4.0;
+const LORRY_EVERY_S: [f64; 2] = [17.0, 20.0];
+const SECOND_LORRY_S: f64 = 3.5;
+/// Clear road between our camera and a lorry that has pulled in, and how far the second's rear stays behind our camera, meters.
+const LORRY_GAP_M: f64 = 3.4;
+const LORRY_BEHIND_M: f64 = 3.0;
 
 /// The vehicles, whose kinds are chosen from `large` ones and `any`; `duration_s` is the length of our drive.
 pub(crate) fn vehicles(
@@ -47,7 +54,8 @@ pub(crate) fn vehicles(
         Company::Column => {
             let sway = Wander::new(COLUMN_SWAY_M, &[1.0 / 29.0, 1.0 / 17.0], seed ^ 0x1b);
             let speed = planner.rng.random_range(COLUMN_SPEED[0]..COLUMN_SPEED[1]);
-            planner.column(speed, &sway, (duration_s, length_m))
+            let column = planner.column(speed, &sway, (duration_s, length_m));
+            planner.leader().into_iter().chain(column).collect()
         }
     }
 }
@@ -85,13 +93,21 @@ impl Planner<'_> {
         queue
     }
 
+    /// The vehicle before us beside a column.
+    fn leader(&mut self) -> Option<(Kind, Path)> {
+        let kind = self.pick(1.0);
+        let headway = Wander::new(0.1, &[1.0 / 23.0, 1.0 / 9.0], self.seed ^ 0x1d);
+        let gap_m = COLUMN_GAP_M + 0.5 * kind.model.size().length;
+        Some((kind, Path::Leader { headway, mean_s: COLUMN_HEADWAY_S, gap_m }))
+    }
+
     /// Vehicles nose to tail in the next lane, from beginning to end of our drive.
     fn column(&mut self, speed: f64, sway: &Wander, (duration_s, length_m): (f64, f64)) -> Vec<(Kind, Path)> {
         let slip = length_m - speed * duration_s;
         let (first, last) = (slip.min(0.0) - 40.0, slip.max(0.0) + VISIBLE_M);
         let (mut rear, mut column) = (first, Vec::new());
         while rear < last {
-            let kind = self.pick(0.75);
+            let kind = self.pick(0.85);
             let length = kind.model.size().length;
             let path = Path::Lane { start: rear + 0.5 * length, speed, sway: sway.clone(), lateral: NEXT_LANE_M };
             column.push((kind, path));
@@ -100,13 +116,17 @@ impl Planner<'_> {
         column
     }
 
-    /// Lorries that overtake us one after another.
+    /// Lorries that overtake us in pairs: the first pulls in before us, the second stays beside us.
     fn lorries(&mut self, duration_s: f64) -> Vec<(Kind, Path)> {
         let (mut beside, mut lorries) = (FIRST_LORRY_S, Vec::new());
         while beside < duration_s {
-            let kind = self.pick(1.0);
-            let half_m = 0.5 * kind.model.size().length;
-            lorries.push((kind, Path::Overtaking { beside, half_m, lanes: [NEXT_LANE_M, LANE_M] }));
+            for (after_s, to) in [(0.0, LANE_M), (SECOND_LORRY_S, NEXT_LANE_M)] {
+                let kind = self.pick(1.0);
+                let half_m = 0.5 * kind.model.size().length;
+                let rear_m = if after_s > 0.0 { -LORRY_BEHIND_M } else { LORRY_GAP_M };
+                let (lanes, beside) = ([NEXT_LANE_M, to], beside + after_s);
+                lorries.push((kind, Path::Overtaking { beside, ahead_m: half_m + rear_m, half_m, lanes }));
+            }
             beside += self.rng.random_range(LORRY_EVERY_S[0]..LORRY_EVERY_S[1]);
         }
         lorries

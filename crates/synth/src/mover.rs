@@ -34,33 +34,31 @@ pub(crate) enum Path {
     Leader { headway: Wander, mean_s: f64, gap_m: f64 },
     /// In our direction, `start + speed t + sway(t)` meters along the course.
     Lane { start: f64, speed: f64, sway: Wander, lateral: f64 },
-    /// Overtakes us, its middle beside us at time `beside`; changes from the first of the `lanes` to the second, stays ahead of us
-    /// and leaves. `half_m` is half its length.
-    Overtaking { beside: f64, half_m: f64, lanes: [f64; 2] },
+    /// Overtakes us, its middle beside us at time `beside`, stays with us when that is `ahead_m` before us, and leaves. It changes
+    /// from the first of the `lanes` to the second meanwhile.
+    Overtaking { beside: f64, ahead_m: f64, half_m: f64, lanes: [f64; 2] },
 }
 
-/// How much faster a lorry is while it overtakes, m/s, clear road between our camera and it when it begins to change lanes, meters,
-/// for how long it stays ahead, seconds, and how it leaves, m/s^2.
+/// How much faster a lorry is while it overtakes, m/s, for how long it stays with us, seconds, and how it leaves, m/s^2.
 const OVERTAKING_SPEED: f64 = 2.2;
-const AHEAD_GAP_M: f64 = 0.8;
-const AHEAD_S: f64 = 8.0;
+const STAYS_S: f64 = 8.0;
 const LEAVING: f64 = 1.4;
-/// Time in which it changes the lane, seconds.
+/// Time in which it changes the lane and slows down to our speed, seconds.
 const LANE_CHANGE_S: f64 = 2.4;
 
 /// How far the middle of an overtaking vehicle is ahead of us `since` seconds after it was beside us, and how much of the change of
 /// lanes is done.
-fn overtaking(since: f64, half_m: f64) -> (f64, f64) {
-    let ahead_m = half_m + AHEAD_GAP_M;
-    let arrived = since - ahead_m / OVERTAKING_SPEED;
+fn overtaking(since: f64, ahead_m: f64) -> (f64, f64) {
+    let slowing_m = 0.5 * OVERTAKING_SPEED * LANE_CHANGE_S;
+    let arrived = since - (ahead_m - slowing_m) / OVERTAKING_SPEED;
     if arrived <= 0.0 {
         return (OVERTAKING_SPEED * since, 0.0);
     }
     let changed = (arrived / LANE_CHANGE_S).min(1.0);
-    let leaving = (arrived - AHEAD_S).max(0.0);
-    // It slows down to our speed over the change of lanes.
-    let settled = OVERTAKING_SPEED * LANE_CHANGE_S * (changed - 0.5 * changed * changed);
-    (ahead_m + settled + 0.5 * LEAVING * leaving * leaving, changed * changed * (3.0 - 2.0 * changed))
+    let leaving = (arrived - STAYS_S).max(0.0);
+    let slowing = slowing_m * (1.0 - (1.0 - changed) * (1.0 - changed));
+    let ahead = ahead_m - slowing_m + slowing + 0.5 * LEAVING * leaving * leaving;
+    (ahead, changed * changed * (3.0 - 2.0 * changed))
 }
 
 impl Mover {
@@ -95,8 +93,8 @@ impl Mover {
                 let here = start + speed * t + sway.at(t);
                 ((here - drive.driven(t)).abs() < VISIBLE_M).then(|| course.at(here).beside(*lateral))
             }
-            Path::Overtaking { beside, half_m, lanes: [from, to] } => {
-                let (ahead, changed) = overtaking(t - beside, *half_m);
+            Path::Overtaking { beside, ahead_m, half_m, lanes: [from, to] } => {
+                let (ahead, changed) = overtaking(t - beside, *ahead_m);
                 let seen = (-2.0 * half_m - 5.0..VISIBLE_M).contains(&ahead);
                 seen.then(|| course.at(drive.driven(t) + ahead).beside(from + (to - from) * changed))
             }

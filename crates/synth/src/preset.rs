@@ -20,11 +20,11 @@ pub enum Preset {
     Facades,
     /// An open street on which we roll along in a jam: vehicles close ahead and in the lane beside us.
     Jam,
-    /// An open street on which lorries overtake us one after another and pull in close ahead.
+    /// An open street on which lorries overtake us in pairs: one pulls in close ahead, one stays beside us.
     Lorry,
-    /// An open street on which a column of lorries and buses drives beside us at a speed of its own.
+    /// An open street on which a column of lorries and buses drives beside us at a speed of its own, and one of them ahead.
     Column,
-    /// The town where we halt at crossings while trams pass in both directions.
+    /// The town where we halt at crossings and roll up to them while trams pass in both directions.
     Trams,
 }
 
@@ -57,7 +57,7 @@ pub(crate) enum Halts {
     None,
     /// For a truck, four times a round.
     Trucks,
-    /// For two trams, at each crossing.
+    /// For trams, at each crossing.
     Trams,
 }
 

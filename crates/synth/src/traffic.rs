@@ -22,6 +22,8 @@ const CLOSEST_M: f64 = 4.0;
 const SLOT_M: f64 = 6.25;
 /// Speed of trams at a crossing, m/s.
 const TRAM_SPEED: f64 = 4.2;
+/// Direction of each tram at a crossing (1: from left to right), and when its middle is before us after we have halted, seconds.
+const TRAMS: [(f64, f64); 3] = [(1.0, -4.0), (1.0, 2.6), (-1.0, 1.0)];
 /// Share of parking places whose car changes from round to round.
 const CHANGED: f64 = 0.4;
 
@@ -116,17 +118,17 @@ impl Traffic {
         }
     }
 
-    /// Two trams across each halt, in both directions, the nearer one first.
+    /// Trams across each halt, in both directions; the nearer track carries two that are coupled.
     fn add_trams(&mut self, world: &TrafficPlan<'_>) {
         for (i, halt) in world.halts.iter().enumerate() {
             let street = &world.side_streets[halt.street];
-            for (k, sign) in [1.0, -1.0].into_iter().enumerate() {
+            for (k, (sign, behind_s)) in TRAMS.into_iter().enumerate() {
                 let kind = self.kinds[N_CARS + N_VANS + N_BUSES + N_TRUCKS + (i + k) % N_TRAMS];
                 let path = Path::Crossing {
                     center: street.center,
                     right: street.right,
                     sign,
-                    t: halt.time + [0.4, 0.6][k] * halt.seconds,
+                    t: halt.time + behind_s,
                     speed: TRAM_SPEED,
                     lateral: 1.7,
                     reach: [street.left_m, street.right_m],

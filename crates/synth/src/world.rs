@@ -22,8 +22,11 @@ pub const FRAME_RATE_HZ: f64 = 10.0;
 /// Length of the open street per round, meters.
 const STREET_M: f64 = 900.0;
 /// Where we halt before a crossing's middle, meters, and for how long, seconds: for a truck, for trams.
-const HALT_BEFORE_M: [f64; 2] = [10.0, 12.0];
-const HALT_S: [f64; 2] = [6.5, 13.0];
+const HALT_BEFORE_M: [f64; 2] = [10.0, 9.5];
+const HALT_S: [f64; 2] = [6.5, 6.5];
+/// How far before that we stop a first time for trams, meters, and for how long, seconds.
+const ROLL_UP_M: f64 = 9.0;
+const ROLL_UP_S: f64 = 1.0;
 /// Halts per round for trucks.
 const HALTS_PER_ROUND: usize = 4;
 /// Way from one stop to the next in a jam, meters, and for how long we stand, seconds.
@@ -326,6 +329,9 @@ fn plan_drive(
     let mut places: Vec<Stop> = stops.iter().map(|(_, stop)| *stop).collect();
     if settings.pace == Pace::Crawl {
         places.extend(jam_stops(length, seed));
+    }
+    if settings.halts == Halts::Trams {
+        places.extend(stops.iter().map(|(_, stop)| Stop { s: stop.s - ROLL_UP_M, seconds: ROLL_UP_S }));
     }
     let drive = Drive::new(course, length, settings.pace, &places, seed);
     let halts = stops
