@@ -56,12 +56,19 @@ fn main() -> Result<(), Failure> {
         report(&format!("response {keep}"), &run(&feed, &setup)?, &truth)?;
     }
     let [oracle, ones, activation] = errors[..] else { return Ok(()) };
-    println!("of what the masks gain over ones, the network recovers {:.2}", (ones - activation) / (ones - oracle));
+    println!(
+        "of what the masks gain over ones, the network recovers {:.2}",
+        (ones - activation) / (ones - oracle)
+    );
     Ok(())
 }
 
 /// The setup of the configuration with these settings above it.
-fn setup(sequence: &Sequence, given: &[String], source: Option<Arc<dyn ActivationSource>>) -> Result<Setup, Failure> {
+fn setup(
+    sequence: &Sequence,
+    given: &[String],
+    source: Option<Arc<dyn ActivationSource>>,
+) -> Result<Setup, Failure> {
     let config = Config::load(Some(Path::new("kitti")), &[&[COMMON.to_owned()], given].concat())?;
     let calibration = sequence.calibration.clone().ok_or("the sequence has no calibration")?;
     let image = io::load_gray(&sequence.frames[0].left)?;

@@ -109,7 +109,8 @@ impl Planner<'_> {
         while rear < last {
             let kind = self.pick(0.85);
             let length = kind.model.size().length;
-            let path = Path::Lane { start: rear + 0.5 * length, speed, sway: sway.clone(), lateral: NEXT_LANE_M };
+            let path =
+                Path::Lane { start: rear + 0.5 * length, speed, sway: sway.clone(), lateral: NEXT_LANE_M };
             column.push((kind, path));
             rear += length + self.gap();
         }
@@ -130,5 +131,44 @@ impl Planner<'_> {
             beside += self.rng.random_range(LORRY_EVERY_S[0]..LORRY_EVERY_S[1]);
         }
         lorries
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vehicle_paint::Model;
+
+    #[test]
+    fn vehicles_of_a_lane_follow_each_other_without_touching_and_cover_the_whole_drive() {
+        let large = [Kind { mesh: 0, model: Model::Lorry }, Kind { mesh: 1, model: Model::Bus }];
+        let any = [Kind { mesh: 2, model: Model::Saloon }];
+        for company in [Company::Jam, Company::Column] {
+            let (duration_s, length_m) = (120.0, 600.0);
+            let lane = vehicles(company, &large, &any, (duration_s, length_m), 3);
+            let spans: Vec<[f64; 2]> = lane
+                .iter()
+                .filter_map(|(kind, path)| {
+                    let Path::Lane { start, .. } = path else { return None };
+                    let half = 0.5 * kind.model.size().length;
+                    Some([start - half, start + half])
+                })
+                .collect();
+            for pair in spans.windows(2) {
+                let gap = pair[1][0] - pair[0][1];
+                assert!((BETWEEN_M[0]..=BETWEEN_M[1]).contains(&gap), "{company:?}: {gap} m");
+            }
+            // Someone is beside us at the beginning and at the end.
+            let Some((_, Path::Lane { speed, .. })) =
+                lane.iter().find(|(_, p)| matches!(p, Path::Lane { .. }))
+            else {
+                panic!("{company:?}: nobody in the next lane")
+            };
+            for (t, driven) in [(0.0, 0.0), (duration_s, length_m)] {
+                let beside = driven - speed * t;
+                assert!(spans.iter().any(|[rear, front]| rear - 5.0 < beside && beside < front + 5.0));
+            }
+        }
+        assert!(vehicles(Company::None, &large, &any, (120.0, 600.0), 3).is_empty());
     }
 }

@@ -102,3 +102,23 @@ impl Mover {
     }
 }
 
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_overtaking_lorry_comes_stays_and_leaves_without_a_jump() {
+        for ahead_m in [3.6, 10.0] {
+            let at = |k: i32| overtaking(0.1 * f64::from(k), ahead_m);
+            assert_eq!(at(0), (0.0, 0.0));
+            let mut stays = 0;
+            for k in -100..200 {
+                let ((here, changed), (next, later)) = (at(k), at(k + 1));
+                assert!(next >= here - 1e-9 && next - here < 2.0, "{k}: {here} {next}");
+                assert!((changed..=1.0).contains(&later) && later - changed < 0.1, "{k}: {changed} {later}");
+                stays += i32::from((here - ahead_m).abs() < 0.1);
+            }
+            assert!((50..100).contains(&stays), "{stays} tenths of a second at {ahead_m} m");
+        }
+    }
+}

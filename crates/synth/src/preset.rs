@@ -142,9 +142,14 @@ impl Preset {
                 Settings { oncoming_every_m: 22.0, parked: 0.7, crossing: 1.0, leader_s: Some(0.7), ..town }
             }
             Self::Crossing => Settings { crossing: 1.0, halts: Halts::Trucks, ..town },
-            Self::Facades => {
-                Settings { oncoming_every_m: 120.0, parked: 0.3, crossing: 0.0, regular: true, open: true, ..town }
-            }
+            Self::Facades => Settings {
+                oncoming_every_m: 120.0,
+                parked: 0.3,
+                crossing: 0.0,
+                regular: true,
+                open: true,
+                ..town
+            },
             Self::Jam => Settings { company: Company::Jam, pace: Pace::Crawl, ..hemmed },
             Self::Lorry => Settings { company: Company::Lorries, ..hemmed },
             Self::Column => Settings { company: Company::Column, ..hemmed },

@@ -269,7 +269,8 @@ mod tests {
     fn faces_look_away_from_the_middle() {
         let mut recipes = Recipes::default();
         let common = Common::new(&mut recipes, 1);
-        for model in [Model::Hatchback, Model::Saloon, Model::Van, Model::Bus, Model::Truck, Model::Lorry, Model::Tram]
+        for model in
+            [Model::Hatchback, Model::Saloon, Model::Van, Model::Bus, Model::Truck, Model::Lorry, Model::Tram]
         {
             let mesh = build(model, &mut recipes, &common, 5);
             let size = model.size();

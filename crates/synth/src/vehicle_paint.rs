@@ -245,7 +245,8 @@ fn doors(canvas: &mut Canvas, tone: f32, seed: u32) {
     }
     for k in 0..6 {
         let at = |j: i32| unit(k, 20 + j, seed);
-        let sticker = Rect::new(0.05 + 0.85 * at(0), 0.05 + 0.75 * at(1), 0.03 + 0.05 * at(2), 0.03 + 0.05 * at(3));
+        let sticker =
+            Rect::new(0.05 + 0.85 * at(0), 0.05 + 0.75 * at(1), 0.03 + 0.05 * at(2), 0.03 + 0.05 * at(3));
         canvas.fill(sticker, 30.0 + 200.0 * at(4));
     }
     canvas.frame(Rect::new(0.0, 0.0, 1.0, 0.86), 0.012, tone * 0.45);
