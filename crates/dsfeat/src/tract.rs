@@ -101,3 +101,43 @@ fn bad_model(error: TractError) -> Error {
 fn failed(error: TractError) -> Error {
     Error::Failed(format!("{error:#}"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::BUILT_IN;
+    use crate::onnx_runtime::Library;
+
+    fn values(shape: [usize; 4]) -> Vec<f32> {
+        (0..shape[2] * shape[3]).map(|i| ((i * 7919 + i / shape[3] * 131) % 256) as f32 / 255.0).collect()
+    }
+
+    #[test]
+    fn the_built_in_network_answers_as_in_onnx_runtime_but_for_the_last_digits() {
+        let mut built_in = BuiltIn::load(BUILT_IN).unwrap();
+        let names: Vec<&str> = built_in.ports.outputs.iter().map(|port| &*port.name).collect();
+        assert_eq!(names, ["activation", "lasting", "known"]);
+        assert!(built_in.ports.outputs.iter().all(|port| port.shape.as_ref().is_some_and(|s| s.len() == 4)));
+        // Without the library there is nothing to compare with, but the answers are still probabilities.
+        let mut library = Library::load(BUILT_IN, None, 1).ok();
+        for shape in [[1, 1, 128, 416], [1, 1, 96, 320], [1, 1, 128, 416]] {
+            let values = values(shape);
+            let here = built_in.run(shape, &values).unwrap();
+            assert_eq!(here[0].shape, [1, 1, shape[2] / 2, shape[3] / 2]);
+            assert!(here.iter().flat_map(|output| &output.values).all(|v| (0.0..=1.0).contains(v)));
+            let Some(there) = library.as_mut().map(|library| library.run(shape, &values).unwrap()) else { continue };
+            for (a, b) in here.iter().zip(&there) {
+                assert_eq!((&a.name, &a.shape), (&b.name, &b.shape));
+                let worst = a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                assert!(worst < 1e-5, "{}: {worst}", a.name);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_a_model_is_refused() {
+        for bytes in [&b""[..], &BUILT_IN[..1000]] {
+            assert!(matches!(BuiltIn::load(bytes), Err(Error::BadModel(_))));
+        }
+    }
+}
