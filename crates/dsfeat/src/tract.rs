@@ -125,7 +125,9 @@ mod tests {
             let here = built_in.run(shape, &values).unwrap();
             assert_eq!(here[0].shape, [1, 1, shape[2] / 2, shape[3] / 2]);
             assert!(here.iter().flat_map(|output| &output.values).all(|v| (0.0..=1.0).contains(v)));
-            let Some(there) = library.as_mut().map(|library| library.run(shape, &values).unwrap()) else { continue };
+            let Some(there) = library.as_mut().map(|library| library.run(shape, &values).unwrap()) else {
+                continue;
+            };
             for (a, b) in here.iter().zip(&there) {
                 assert_eq!((&a.name, &a.shape), (&b.name, &b.shape));
                 let worst = a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
