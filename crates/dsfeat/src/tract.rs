@@ -80,7 +80,7 @@ fn typed(model: &InferenceModel, shape: [usize; 4]) -> Result<TypedModel, Error>
 fn input(model: &InferenceModel, i: usize) -> Result<Port, Error> {
     let fact = model.input_fact(i).map_err(bad_model)?;
     let is_float = fact.datum_type.concretize() == Some(f32::datum_type());
-    let length = |dim: DimFact| dim.concretize().and_then(|dim| dim.to_i64().ok()).unwrap_or(-1);
+    let length = |dim: &DimFact| dim.concretize().and_then(|dim| dim.to_i64().ok()).unwrap_or(-1);
     let shape = is_float.then(|| fact.shape.dims().map(length).collect());
     let name = model.node(model.inputs[i].node).name.clone();
     Ok(Port { name, shape, text: format!("{fact:?}") })
