@@ -1,7 +1,9 @@
-//! How much a perfect network could bring: a rendered sequence run with features selected by the renderer's exact masks (0 on
-//! what moves, 1 elsewhere) in place of a network, and without any selection, with the same number of features.
+//! How much a perfect network could bring, and how much of it the network brings: a rendered sequence run with the configuration
+//! `kitti` and features selected by the renderer's exact masks (0 on what moves, 1 elsewhere), by a network that answers 1
+//! everywhere, by the built-in network, and by response alone. Only what gives the activation differs; the refinement of the
+//! calibration is off.
 //!
-//! `cargo run --release -p dsslam-tests --example oracle_selection -- SEQUENCE [KEEP] [MAX_FRAMES]`
+//! `cargo run --release -p dsslam-tests --example oracle_selection -- SEQUENCE [MAX_FRAMES [KEY=VALUE ...]]`
 #![allow(clippy::print_stdout, reason = "a program for people")]
 
 use std::collections::BTreeMap;
@@ -11,61 +13,82 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use dsslam::Config;
 use eval::{Alignment, Association};
-use features::{
-    ActivationError, ActivationMap, ActivationSource, ExtractorConfig, Rig, SelectionConfig, SelectionRule,
-    Spread,
-};
+use features::{ActivationError, ActivationMap, ActivationSource, Rig};
 use geometry::{GrayImage, Raster};
 use io::{Sequence, StampedPose, Trajectory};
 use runtime::{RunOutcome, Selection, SequenceFeed, Setup, Silent};
+use slam::{CameraParams, Params};
 
 /// Pixels of an image per value of its activation map, in both directions.
 const CELL: usize = 8;
-/// Candidates among which the selection chooses.
-const CANDIDATES: usize = 2000;
+/// Above every run, so that only the features differ.
+const COMMON: &str = "mapping.refine_calibration=false";
 
 type Failure = Box<dyn Error>;
 
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [path, numbers @ ..] = &arguments[..] else {
-        return Err("usage: oracle_selection SEQUENCE [KEEP] [MAX_FRAMES]".into());
+    let [path, rest @ ..] = &arguments[..] else {
+        return Err("usage: oracle_selection SEQUENCE [MAX_FRAMES [KEY=VALUE ...]]".into());
     };
-    let keep = numbers.first().map_or(Ok(500), |n| n.parse())?;
-    let max_frames = numbers.get(1).map(|n| n.parse()).transpose()?;
+    let (max_frames, given) = match rest {
+        [number, given @ ..] => (Some(number.parse()?), given),
+        [] => (None, rest),
+    };
     let sequence = io::open_sequence(Path::new(path), Some(io::Sensor::Stereo))?;
     let truth = sequence.ground_truth.clone().ok_or("the sequence has no true poses")?;
     let feed = SequenceFeed::new(&sequence, max_frames);
     let masks = Arc::new(Masks::read(&sequence, max_frames)?);
-    println!("{}: {keep} features, ATE (SE3)", sequence.name);
-    let none = setup(&sequence, keep)?;
-    report("no selection", &run(&feed, &none)?, &truth)?;
-    let config = SelectionConfig { rule: SelectionRule::Semantic, keep, spread: Spread::Cells };
-    for (name, rule) in [
-        ("masks, nothing on what moves", SelectionRule::Semantic),
-        ("masks, least there", SelectionRule::Activation),
-    ] {
-        let selection = Some(Selection {
-            config: SelectionConfig { rule, ..config },
-            source: masks.clone(),
-            identity: 1,
-        });
-        report(name, &run(&feed, &Setup { selection, ..setup(&sequence, CANDIDATES)? })?, &truth)?;
+    println!("{}: {:.1} % of the pixels move", sequence.name, 100.0 * masks.share_moving);
+    let network = Arc::new(dsfeat::Network::load(dsfeat::BUILT_IN, None, 1)?);
+    let sources: [(&str, Arc<dyn ActivationSource>); 3] =
+        [("exact masks", masks), ("ones", Arc::new(Ones)), ("activation", network)];
+    let mut errors = Vec::new();
+    for (name, source) in sources {
+        let setup = setup(&sequence, given, Some(source))?;
+        errors.push(report(name, &run(&feed, &setup)?, &truth)?);
     }
+    for keep in ["500", "2000"] {
+        let response = ["features.selection=response".to_owned(), format!("features.keep={keep}")];
+        let setup = setup(&sequence, &[given, &response].concat(), None)?;
+        report(&format!("response {keep}"), &run(&feed, &setup)?, &truth)?;
+    }
+    let [oracle, ones, activation] = errors[..] else { return Ok(()) };
+    println!(
+        "of what the masks gain over ones, the network recovers {:.2}",
+        (ones - activation) / (ones - oracle)
+    );
     Ok(())
 }
 
-/// The default setup with this number of features or candidates, without a calibration pass.
-fn setup(sequence: &Sequence, keep: usize) -> Result<Setup, Failure> {
+/// The setup of the configuration with these settings above it.
+fn setup(
+    sequence: &Sequence,
+    given: &[String],
+    source: Option<Arc<dyn ActivationSource>>,
+) -> Result<Setup, Failure> {
+    let config = Config::load(Some(Path::new("kitti")), &[&[COMMON.to_owned()], given].concat())?;
     let calibration = sequence.calibration.clone().ok_or("the sequence has no calibration")?;
     let image = io::load_gray(&sequence.frames[0].left)?;
-    let close_depth_m = 40.0 * calibration.rig.baseline_m;
     let (width, height) = (image.width, image.height);
     let rig = Rig { stereo: calibration.rig, distortion: calibration.distortion, width, height };
-    let params = slam::Params::stereo(close_depth_m, 10.0);
+    let close_depth_m = config.stereo.close_depth_baselines * calibration.rig.baseline_m;
+    let params = Params {
+        tracking: config.tracking.clone(),
+        mapping: config.mapping.clone(),
+        loops: config.loops.clone(),
+        weights: config.weights,
+        seed: config.seed,
+        ..Params::of(CameraParams::new(runtime::Sensor::Stereo, close_depth_m, config.camera.fps))
+    };
+    let choice = config.features.choice();
     Ok(Setup {
-        extractor: ExtractorConfig { keep, fast_initial: 12, ..ExtractorConfig::default() },
+        extractor: config.features.with_sensor(runtime::Sensor::Stereo),
+        stereo: config.stereo.clone(),
+        lags: config.runtime,
+        selection: source.zip(choice).map(|(source, config)| Selection { config, source, identity: 1 }),
         vocabulary: Some(Arc::new(bow::Vocabulary::built_in()?)),
         ..Setup::new(runtime::Sensor::Stereo, Arc::new(rig), params)
     })
@@ -75,7 +98,8 @@ fn run(feed: &SequenceFeed, setup: &Setup) -> Result<RunOutcome, Failure> {
     Ok(runtime::run(feed, setup, &mut Silent, &AtomicBool::new(false))?)
 }
 
-fn report(name: &str, outcome: &RunOutcome, truth: &Trajectory) -> Result<(), Failure> {
+/// Prints the figures of a run and returns its ATE, meters.
+fn report(name: &str, outcome: &RunOutcome, truth: &Trajectory) -> Result<f64, Failure> {
     let stamped = |record: &runtime::FrameRecord| {
         let world_from_cam = record.world_from_cam?;
         Some(StampedPose { timestamp_s: record.timestamp_s, world_from_cam })
@@ -83,35 +107,46 @@ fn report(name: &str, outcome: &RunOutcome, truth: &Trajectory) -> Result<(), Fa
     let poses: Vec<StampedPose> = outcome.frames.iter().filter_map(stamped).collect();
     let estimate = Trajectory { poses };
     let pairs = eval::associate(&estimate, truth, Association::Timestamp { tolerance_s: 0.001 })?;
-    let ate = eval::ate(&pairs.est, &pairs.gt, Alignment::Se3)?;
-    let drift = eval::kitti_drift(&ate.aligned(&pairs.est), &pairs.gt, &[50.0, 100.0])?;
+    let ate = eval::ate(&pairs.est, &pairs.gt, Alignment::Se3)?.error_m.rmse;
     println!(
-        "{name:<30} {:.4} m, t_rel over 50 and 100 m {:.3} %, {} of {} frames with a pose, loops {}",
-        ate.error_m.rmse,
-        drift.t_rel_percent.unwrap_or(f64::NAN),
-        estimate.poses.len(),
+        "{name:<14} ATE {ate:.4} m, {} of {} frames lost, loops {}",
+        outcome.frames.len() - estimate.poses.len(),
         outcome.frames.len(),
         outcome.loops.len()
     );
-    Ok(())
+    Ok(ate)
+}
+
+/// A network that trusts everything.
+#[derive(Clone, Copy, Debug)]
+struct Ones;
+
+impl ActivationSource for Ones {
+    fn activation(&self, image: &GrayImage) -> Result<ActivationMap, ActivationError> {
+        ActivationMap::new(Raster::new(1, 1, 1.0), image.width, image.height).ok_or(ActivationError::Unknown)
+    }
 }
 
 /// The masks of a sequence, found by the hash of their image.
 #[derive(Clone, Debug)]
 struct Masks {
     maps: BTreeMap<u64, ActivationMap>,
+    /// Share of the pixels of all frames.
+    share_moving: f64,
 }
 
 impl Masks {
     fn read(sequence: &Sequence, max_frames: Option<usize>) -> Result<Self, Failure> {
-        let mut maps = BTreeMap::new();
+        let (mut maps, mut moving, mut all) = (BTreeMap::new(), 0, 0);
         for frame in sequence.frames.iter().take(max_frames.unwrap_or(usize::MAX)) {
             let folder = frame.left.parent().and_then(Path::parent).ok_or("an image without a folder")?;
             let name = frame.left.file_name().ok_or("an image without a name")?;
             let mask = io::load_gray(&folder.join("masks").join(name))?;
+            moving += mask.data.iter().filter(|&&label| label == synth::LABEL_MOVING).count();
+            all += mask.data.len();
             maps.insert(hash(&io::load_gray(&frame.left)?), still(&mask).ok_or("an empty mask")?);
         }
-        Ok(Masks { maps })
+        Ok(Masks { maps, share_moving: moving as f64 / all.max(1) as f64 })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use anyhow::{Result, anyhow, ensure};
-use synth::{Continue, Preset, World, WriteOptions, write_euroc, write_kitti};
+use synth::{Continue, World, WriteOptions, write_euroc, write_kitti};
 
 use crate::args::{LayoutArg, SynthArgs, WorldArgs};
 use crate::console;
@@ -51,8 +51,9 @@ pub(crate) fn world(args: &WorldArgs) -> Result<World> {
             "--relight changes the light from the second round on, but found --rounds 1"
         );
         ensure!(
-            args.preset != Preset::Facades,
-            "--relight changes the light from round to round, but the street of --preset facades is driven once"
+            !args.preset.is_open(),
+            "--relight changes the light from round to round, but the street of --preset {} is driven once",
+            args.preset
         );
     }
     let world = World::new(args.preset, args.seed, args.rounds);

@@ -23,6 +23,30 @@ const SYSTEM: [&str; 6] = [
     "/opt/onnxruntime/lib",
 ];
 
+/// What runs networks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Runner {
+    /// The library ONNX Runtime.
+    OnnxRuntime,
+    /// What the cargo feature `tract` builds in: the same answers but for the last digits, several times slower.
+    BuiltIn,
+}
+
+/// What would run a network: ONNX Runtime with `library` or the first library found, else what is built in. Nothing is loaded.
+///
+/// # Errors
+/// [`Error::NoLibrary`] where nothing is built in; [`Error::BadLibrary`] for a file that is not there.
+pub fn runner(library: Option<&Path>) -> Result<Runner, Error> {
+    match library.map_or_else(find_library, |path| Ok(path.to_owned())) {
+        Ok(path) => match fs::metadata(&path) {
+            Ok(_) => Ok(Runner::OnnxRuntime),
+            Err(error) => Err(Error::BadLibrary { path, reason: error.to_string() }),
+        },
+        Err(_) if cfg!(feature = "tract") => Ok(Runner::BuiltIn),
+        Err(missing) => Err(missing),
+    }
+}
+
 /// ONNX Runtime allows one environment per process, which stays until the process ends. A failure stays as well: `ort` must
 /// not be asked to load a library again after one that could not be loaded.
 static ENVIRONMENT: Mutex<Option<Result<Environment, Error>>> = Mutex::new(None);

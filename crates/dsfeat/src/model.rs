@@ -1,22 +1,46 @@
-//! An ONNX model of images as ONNX Runtime runs it: the same input gives the same bits, for any number of threads.
+//! An ONNX model of images: the same input gives the same bits, for any number of threads. ONNX Runtime runs it, or, where that is
+//! not found, what the cargo feature `tract` builds in.
 
 use std::fmt;
 use std::path::Path;
 
 use geometry::GrayImage;
-use ort::session::Session;
-use ort::session::builder::GraphOptimizationLevel;
-use ort::value::TensorRef;
 
 use crate::error::Error;
-use crate::library;
+use crate::onnx_runtime::Library;
 use crate::resize::Resizer;
+#[cfg(feature = "tract")]
+use crate::tract::BuiltIn;
 
 /// A loaded model with its buffers.
 pub struct ImageModel {
-    session: Session,
+    engine: Engine,
     resizer: Resizer,
     pixels: Vec<f32>,
+}
+
+/// What runs the model.
+enum Engine {
+    Library(Library),
+    #[cfg(feature = "tract")]
+    BuiltIn(BuiltIn),
+}
+
+/// An input or output as the model describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Port {
+    pub(crate) name: String,
+    /// Length of each dimension, negative where it is left open; `None` for what is not a tensor of floats.
+    pub(crate) shape: Option<Vec<i64>>,
+    /// Its type in words.
+    pub(crate) text: String,
+}
+
+/// Inputs and outputs of a model, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Ports {
+    pub(crate) inputs: Vec<Port>,
+    pub(crate) outputs: Vec<Port>,
 }
 
 /// A tensor that a model gives.
@@ -37,37 +61,34 @@ impl ImageModel {
     /// # Errors
     /// No library that can be used, or no model.
     pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
-        let environment = library::environment(library)?;
-        let session = Session::builder(&environment)
-            .map_err(bad_model)?
-            .with_optimization_level(GraphOptimizationLevel::All)
-            .map_err(bad_model)?
-            .with_intra_threads(threads.max(1))
-            .map_err(bad_model)?
-            .with_intra_op_spinning(false)
-            .map_err(bad_model)?
-            .with_deterministic_compute(true)
-            .map_err(bad_model)?
-            .commit_from_memory(model)
-            .map_err(bad_model)?;
-        Ok(Self { session, resizer: Resizer::default(), pixels: Vec::new() })
+        let engine = match Library::load(model, library, threads) {
+            Ok(loaded) => Engine::Library(loaded),
+            #[cfg(feature = "tract")]
+            Err(Error::NoLibrary { .. }) => Engine::BuiltIn(BuiltIn::load(model)?),
+            Err(error) => return Err(error),
+        };
+        Ok(Self { engine, resizer: Resizer::default(), pixels: Vec::new() })
     }
 
     /// Names of the outputs, in order.
     #[must_use]
     pub fn outputs(&self) -> Vec<&str> {
-        self.session.outputs().iter().map(|output| output.name()).collect()
+        self.ports().outputs.iter().map(|output| &*output.name).collect()
     }
 
-    pub(crate) fn session(&self) -> &Session {
-        &self.session
+    pub(crate) fn ports(&self) -> &Ports {
+        match &self.engine {
+            Engine::Library(library) => &library.ports,
+            #[cfg(feature = "tract")]
+            Engine::BuiltIn(model) => &model.ports,
+        }
     }
 
     /// Runs on an image of 0 to 1 that is resized to `width` x `height` without regard to its proportions and given in `channels`
     /// equal channels (1 x channels x height x width); returns all outputs, in order.
     ///
     /// # Errors
-    /// An empty image, a failure of ONNX Runtime, or an output that does not hold numbers.
+    /// An empty image, a failure of the model, or an output that does not hold numbers.
     pub fn run(
         &mut self,
         image: &GrayImage,
@@ -81,16 +102,12 @@ impl ImageModel {
         for _ in 1..channels {
             self.pixels.extend_from_within(..width * height);
         }
-        let failed = |error: ort::Error| Error::Failed(error.to_string());
-        let tensor =
-            TensorRef::from_array_view(([1, channels, height, width], &self.pixels[..])).map_err(failed)?;
-        let outputs = self.session.run(ort::inputs![tensor]).map_err(failed)?;
-        let output = |(name, value): (&str, ort::value::ValueRef<'_>)| {
-            let (shape, values) = value.try_extract_tensor::<f32>().map_err(failed)?;
-            let shape = shape.iter().map(|&length| usize::try_from(length).unwrap_or(0)).collect();
-            Ok(Output { name: name.to_owned(), shape, values: values.to_vec() })
-        };
-        outputs.iter().map(output).collect()
+        let shape = [1, channels, height, width];
+        match &mut self.engine {
+            Engine::Library(library) => library.run(shape, &self.pixels),
+            #[cfg(feature = "tract")]
+            Engine::BuiltIn(model) => model.run(shape, &self.pixels),
+        }
     }
 }
 
@@ -98,8 +115,4 @@ impl fmt::Debug for ImageModel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "ImageModel({:?})", self.outputs())
     }
-}
-
-fn bad_model<R>(error: ort::Error<R>) -> Error {
-    Error::BadModel(error.to_string())
 }

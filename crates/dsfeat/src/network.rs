@@ -6,10 +6,9 @@ use std::sync::{Mutex, PoisonError};
 
 use features::{ActivationError, ActivationMap, ActivationSource, NetworkSize};
 use geometry::{GrayImage, Raster};
-use ort::value::{Outlet, TensorElementType, ValueType};
 
 use crate::error::Error;
-use crate::model::{ImageModel, Output};
+use crate::model::{ImageModel, Output, Port};
 
 /// Largest side of a network's input.
 const MAX_SIDE: usize = 8192;
@@ -57,13 +56,13 @@ impl Network {
     /// No library that can be used, no model, or one with another input or other outputs.
     pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
         let model = ImageModel::load(model, library, threads)?;
-        let session = model.session();
-        let [input] = session.inputs() else {
-            return Err(wrong("the number of inputs", session.inputs().len(), "1"));
+        let ports = model.ports();
+        let [input] = &ports.inputs[..] else {
+            return Err(wrong("the number of inputs", ports.inputs.len(), "1"));
         };
         let input = image_input(input)?;
-        let find = |name: &str| session.outputs().iter().position(|output| output.name() == name);
-        let outputs = match session.outputs() {
+        let find = |name: &str| ports.outputs.iter().position(|output| output.name == name);
+        let outputs = match &ports.outputs[..] {
             [_] => (0, None, None),
             several => {
                 let activation = find(ACTIVATION).ok_or_else(|| {
@@ -75,7 +74,7 @@ impl Network {
         [Some(outputs.0), outputs.1]
             .into_iter()
             .flatten()
-            .try_for_each(|i| check_output(&session.outputs()[i]))?;
+            .try_for_each(|i| check_output(&ports.outputs[i]))?;
         Ok(Self { input, outputs, model: Mutex::new(model) })
     }
 
@@ -152,32 +151,24 @@ impl fmt::Debug for Network {
 }
 
 /// The size that an input of shape 1 x 1 x height x width wants.
-fn image_input(input: &Outlet) -> Result<Input, Error> {
+fn image_input(input: &Port) -> Result<Input, Error> {
     let side = |length: i64| usize::try_from(length).ok().filter(|side| (1..=MAX_SIDE).contains(side));
-    let found = match input.dtype() {
-        ValueType::Tensor { ty: TensorElementType::Float32, shape, .. } => match **shape {
-            [1, 1, ..0, ..0] => Some(Input::Open(NetworkSize::default())),
-            [1, 1, height, width] => side(width).zip(side(height)).map(|(w, h)| Input::Fixed(w, h)),
-            _ => None,
-        },
+    let found = match input.shape.as_deref() {
+        Some([1, 1, ..0, ..0]) => Some(Input::Open(NetworkSize::default())),
+        Some(&[1, 1, height, width]) => side(width).zip(side(height)).map(|(w, h)| Input::Fixed(w, h)),
         _ => None,
     };
-    found.ok_or_else(|| {
-        wrong(
-            &format!("input {}", input.name()),
-            input.dtype(),
-            "a float tensor of shape 1 x 1 x height x width",
-        )
-    })
+    let expected = "a float tensor of shape 1 x 1 x height x width";
+    found.ok_or_else(|| wrong(&format!("input {}", input.name), &input.text, expected))
 }
 
 /// Checks that an output is a tensor of four dimensions.
-fn check_output(output: &Outlet) -> Result<(), Error> {
-    match output.dtype() {
-        ValueType::Tensor { ty: TensorElementType::Float32, shape, .. } if shape.len() == 4 => Ok(()),
-        other => Err(wrong(
-            &format!("output {}", output.name()),
-            other,
+fn check_output(output: &Port) -> Result<(), Error> {
+    match &output.shape {
+        Some(shape) if shape.len() == 4 => Ok(()),
+        _ => Err(wrong(
+            &format!("output {}", output.name),
+            &output.text,
             "a float tensor of shape 1 x 1 x rows x columns",
         )),
     }

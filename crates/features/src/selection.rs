@@ -7,6 +7,8 @@ use crate::quadtree::{Corner, Quadtree};
 
 /// Activation below this belongs to what moves.
 const TRUSTED: f32 = 0.5;
+/// Activation below which a place surely moves: it never fills in for trusted places that are missing.
+const SURELY_MOVES: f32 = 0.1;
 /// Features per cell. Of a larger cell stronger corners are kept, which are found again more often.
 const PER_CELL: usize = 4;
 /// Steps of activation that count as different. The network is nearly sure of most places, and differences among those say
@@ -94,9 +96,13 @@ pub fn select(
         SelectionRule::Activation | SelectionRule::Response => map.at(c.x, c.y),
     };
     let activation: Vec<f32> = contenders.iter().map(trust).collect();
-    let step = |i: usize| match config.rule {
-        SelectionRule::Activation | SelectionRule::Places => (activation[i] * STEPS).min(STEPS - 1.0) as u8,
-        SelectionRule::Semantic | SelectionRule::Response => 0,
+    let step = |i: usize| {
+        let step = (activation[i] * STEPS).min(STEPS - 1.0) as u8;
+        match config.rule {
+            SelectionRule::Activation if activation[i] >= SURELY_MOVES => 1 + step,
+            SelectionRule::Places => step,
+            SelectionRule::Activation | SelectionRule::Semantic | SelectionRule::Response => 0,
+        }
     };
     let mut ranked: Vec<usize> = (0..contenders.len()).collect();
     ranked.sort_by_key(|&i| std::cmp::Reverse((step(i), contenders[i].response)));
@@ -113,7 +119,9 @@ pub fn select(
             let sum = |of: &[usize]| of.iter().map(|&i| activation[i]).sum::<f32>();
             let (theirs, rest) = (sum(&others), sum(&trusted));
             let reserve = (config.keep as f32 * theirs / (theirs + rest).max(f32::MIN_POSITIVE)) as usize;
-            others.len().min(reserve.max(config.keep.saturating_sub(trusted.len())))
+            let doubtful = others.partition_point(|&i| activation[i] >= SURELY_MOVES);
+            let missing = config.keep.saturating_sub(trusted.len());
+            others.len().min(reserve.max(missing.min(doubtful)))
         }
     };
     let mut kept: Vec<usize> = best(&trusted, config.keep - n_others);

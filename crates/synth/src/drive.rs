@@ -3,11 +3,14 @@
 use crate::course::Course;
 use crate::mesh::V3;
 use crate::noise::Wander;
+use crate::preset::Pace;
 use geometry::{SE3, SO3, Vec3};
 
 /// Largest turning rate of the center line's heading, rad/s: 2.2 degrees per frame at 10 Hz.
 const MAX_TURN_RATE: f64 = 0.385;
 const MAX_SPEED: f64 = 9.8;
+/// The same in a jam.
+const CRAWL_SPEED: f64 = 2.7;
 const ACCELERATION: f64 = 1.6;
 const BRAKING: f64 = 2.2;
 /// Camera height above the road, meters.
@@ -44,14 +47,15 @@ pub(crate) struct Drive {
 
 impl Drive {
     /// Drives `length` meters of the course; `stops` sorted by place.
-    pub(crate) fn new(course: &Course, length: f64, stops: &[Stop], seed: u64) -> Self {
+    pub(crate) fn new(course: &Course, length: f64, pace: Pace, stops: &[Stop], seed: u64) -> Self {
+        let top = if pace == Pace::Crawl { CRAWL_SPEED } else { MAX_SPEED };
         let n = (length / NODE_M).ceil() as usize + 2;
         let cruise = Wander::new(1.0, &[1.0 / 97.0, 1.0 / 41.0], seed ^ 0x51);
         let mut speed: Vec<f64> = (0..n)
             .map(|i| {
                 let s = i as f64 * NODE_M;
                 let turning = MAX_TURN_RATE / course.at(s).curvature.abs().max(1e-6);
-                (MAX_SPEED + cruise.at(s)).min(turning)
+                (top + cruise.at(s)).min(turning)
             })
             .collect();
         let mut wait = vec![0.0; n];
@@ -176,7 +180,7 @@ mod tests {
     #[test]
     fn turns_and_speeds_stay_within_their_limits() {
         let course = Course::town(3);
-        let drive = Drive::new(&course, course.length, &[], 3);
+        let drive = Drive::new(&course, course.length, Pace::Brisk, &[], 3);
         let frames = (drive.duration() * 10.0) as i32;
         assert!((900..1350).contains(&frames), "{frames}");
         let mut fastest: f64 = 0.0;
@@ -199,7 +203,7 @@ mod tests {
         let course = Course::town(4);
         // Not a node's place: the halt is made at the nearest node.
         let stops = [Stop { s: 120.06, seconds: 5.0 }];
-        let drive = Drive::new(&course, 300.0, &stops, 4);
+        let drive = Drive::new(&course, 300.0, Pace::Brisk, &stops, 4);
         for i in 1..290 {
             let s = f64::from(i) + 0.13;
             assert!((drive.driven(drive.time_at(s)) - s).abs() < 1e-6, "{s}");

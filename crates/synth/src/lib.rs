@@ -9,6 +9,7 @@
 
 mod camera;
 mod canvas;
+mod company;
 mod course;
 mod daylight;
 mod drive;
@@ -22,6 +23,7 @@ mod library;
 mod lookup;
 mod materials;
 mod mesh;
+mod mover;
 mod noise;
 mod preset;
 mod raster;

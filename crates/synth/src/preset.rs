@@ -18,6 +18,47 @@ pub enum Preset {
     Crossing,
     /// A long open street of repeated fronts that never comes back; `rounds` multiplies its length.
     Facades,
+    /// An open street on which we roll along in a jam: vehicles close ahead and in the lane beside us.
+    Jam,
+    /// An open street on which lorries overtake us in pairs: one pulls in close ahead, one stays beside us.
+    Lorry,
+    /// An open street on which a column of lorries and buses drives beside us at a speed of its own, and one of them ahead.
+    Column,
+    /// The town where we halt at crossings and roll up to them while trams pass in both directions.
+    Trams,
+}
+
+/// Vehicles that stay with us.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Company {
+    /// None, or one ahead.
+    None,
+    /// A jam around us.
+    Jam,
+    /// Lorries that overtake.
+    Lorries,
+    /// A column in the next lane.
+    Column,
+}
+
+/// How fast we drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pace {
+    /// As fast as the town allows.
+    Brisk,
+    /// Stop and go.
+    Crawl,
+}
+
+/// For what we halt at crossings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Halts {
+    /// For nothing.
+    None,
+    /// For a truck, four times a round.
+    Trucks,
+    /// For trams, at each crossing.
+    Trams,
 }
 
 /// Numbers behind a preset.
@@ -31,15 +72,31 @@ pub(crate) struct Settings {
     pub(crate) crossing: f64,
     /// Whether a vehicle drives ahead of us, and its least distance in seconds.
     pub(crate) leader_s: Option<f64>,
-    /// Halts at crossings for trucks.
-    pub(crate) truck_halts: bool,
+    /// For what we halt at crossings.
+    pub(crate) halts: Halts,
     /// Fronts, trees and marks repeat regularly.
     pub(crate) regular: bool,
+    /// The street is open.
+    pub(crate) open: bool,
+    /// Vehicles that stay with us.
+    pub(crate) company: Company,
+    /// How fast we drive at most.
+    pub(crate) pace: Pace,
 }
 
 impl Preset {
     /// All presets.
-    pub const ALL: [Self; 5] = [Self::Town, Self::Quiet, Self::Busy, Self::Crossing, Self::Facades];
+    pub const ALL: [Self; 9] = [
+        Self::Town,
+        Self::Quiet,
+        Self::Busy,
+        Self::Crossing,
+        Self::Facades,
+        Self::Jam,
+        Self::Lorry,
+        Self::Column,
+        Self::Trams,
+    ];
 
     /// Name on the command line.
     #[must_use]
@@ -50,7 +107,17 @@ impl Preset {
             Self::Busy => "busy",
             Self::Crossing => "crossing",
             Self::Facades => "facades",
+            Self::Jam => "jam",
+            Self::Lorry => "lorry",
+            Self::Column => "column",
+            Self::Trams => "trams",
         }
+    }
+
+    /// Whether the street never comes back, so that it is driven once.
+    #[must_use]
+    pub fn is_open(self) -> bool {
+        self.settings().open
     }
 
     pub(crate) fn settings(self) -> Settings {
@@ -59,19 +126,34 @@ impl Preset {
             parked: 0.5,
             crossing: 0.6,
             leader_s: None,
-            truck_halts: false,
+            halts: Halts::None,
             regular: false,
+            open: false,
+            company: Company::None,
+            pace: Pace::Brisk,
         };
+        // A street without oncoming vehicles: the other lane is taken.
+        let hemmed =
+            Settings { oncoming_every_m: f64::INFINITY, crossing: 0.0, open: true, parked: 0.3, ..town };
         match self {
             Self::Town => Settings { leader_s: Some(2.6), ..town },
             Self::Quiet => Settings { oncoming_every_m: 400.0, parked: 0.35, crossing: 0.0, ..town },
             Self::Busy => {
                 Settings { oncoming_every_m: 22.0, parked: 0.7, crossing: 1.0, leader_s: Some(0.7), ..town }
             }
-            Self::Crossing => Settings { crossing: 1.0, truck_halts: true, ..town },
-            Self::Facades => {
-                Settings { oncoming_every_m: 120.0, parked: 0.3, crossing: 0.0, regular: true, ..town }
-            }
+            Self::Crossing => Settings { crossing: 1.0, halts: Halts::Trucks, ..town },
+            Self::Facades => Settings {
+                oncoming_every_m: 120.0,
+                parked: 0.3,
+                crossing: 0.0,
+                regular: true,
+                open: true,
+                ..town
+            },
+            Self::Jam => Settings { company: Company::Jam, pace: Pace::Crawl, ..hemmed },
+            Self::Lorry => Settings { company: Company::Lorries, ..hemmed },
+            Self::Column => Settings { company: Company::Column, ..hemmed },
+            Self::Trams => Settings { halts: Halts::Trams, ..town },
         }
     }
 }
@@ -106,6 +188,9 @@ mod tests {
             assert_eq!(preset.name().parse::<Preset>(), Ok(preset));
         }
         let error = "twon".parse::<Preset>().unwrap_err();
-        assert_eq!(error, "unknown preset 'twon'; there are: town, quiet, busy, crossing, facades");
+        assert_eq!(
+            error,
+            "unknown preset 'twon'; there are: town, quiet, busy, crossing, facades, jam, lorry, column, trams"
+        );
     }
 }

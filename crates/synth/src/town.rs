@@ -4,7 +4,7 @@ use crate::course::{Course, Station};
 use crate::layout::{Layout, SideStreet};
 use crate::library::{Common, Recipes};
 use crate::mesh::{Instance, Layer, Mesh, Placement};
-use crate::preset::Settings;
+use crate::preset::{Halts, Settings};
 use crate::roadside::Stock;
 use crate::sky;
 use crate::street;
@@ -62,8 +62,8 @@ pub(crate) fn side_streets(course: &Course, settings: &Settings, seed: u64) -> V
         let station = course.at(s);
         let arm = |sign: f64| arm_length(course, &station, sign);
         let (mut left_m, mut right_m) = (arm(-1.0), arm(1.0));
-        // Some are mere junctions, unless trucks need crossings.
-        if !settings.truck_halts && left_m > 0.0 && right_m > 0.0 && rng.random_bool(0.3) {
+        // Some are mere junctions, unless we halt at crossings.
+        if settings.halts == Halts::None && left_m > 0.0 && right_m > 0.0 && rng.random_bool(0.3) {
             if rng.random_bool(0.5) { left_m = 0.0 } else { right_m = 0.0 }
         }
         if left_m + right_m > 0.0 {
@@ -149,7 +149,7 @@ mod tests {
     use crate::preset::Preset;
 
     fn scene(preset: Preset, seed: u64) -> (Course, Scene) {
-        let course = if preset == Preset::Facades { Course::street(seed, 900.0) } else { Course::town(seed) };
+        let course = if preset.is_open() { Course::street(seed, 900.0) } else { Course::town(seed) };
         let settings = preset.settings();
         let mut scene = Scene::default();
         let common = Common::new(&mut scene.recipes, 1);

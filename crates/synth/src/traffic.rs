@@ -1,12 +1,14 @@
 //! Vehicles: parked ones, that partly change from round to round, and moving ones as functions of time.
 
+use crate::company;
 use crate::course::Course;
 use crate::drive::{Drive, LANE_M};
 use crate::layout::{ROAD_HALF_M, SIDE_HALF_M, SideStreet};
 use crate::library::Common;
-use crate::mesh::{Instance, Layer, Placement, V3};
+use crate::mesh::{Instance, Layer, Placement};
+use crate::mover::{Kind, Mover, Path, VISIBLE_M};
 use crate::noise::Wander;
-use crate::preset::Settings;
+use crate::preset::{Company, Halts, Settings};
 use crate::town::{LABEL_MOVING, LABEL_PARKED, Scene};
 use crate::vehicle;
 use crate::vehicle_paint::Model;
@@ -14,21 +16,16 @@ use geometry::mix_seed;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Vehicles within this distance of us are drawn, meters along the course.
-const VISIBLE_M: f64 = 170.0;
 /// Least distance from our camera to the tail of the vehicle ahead, were we to stand, meters.
 const CLOSEST_M: f64 = 4.0;
 /// Distance between two parking places, meters.
 const SLOT_M: f64 = 6.25;
+/// Speed of trams at a crossing, m/s.
+const TRAM_SPEED: f64 = 4.2;
+/// Direction of each tram at a crossing (1: from left to right), and when its middle is before us after we have halted, seconds.
+const TRAMS: [(f64, f64); 3] = [(1.0, -4.0), (1.0, 2.6), (-1.0, 1.0)];
 /// Share of parking places whose car changes from round to round.
 const CHANGED: f64 = 0.4;
-
-/// A kind of vehicle that can be placed.
-#[derive(Clone, Copy, Debug)]
-struct Kind {
-    mesh: u32,
-    model: Model,
-}
 
 /// A parking place at the curb.
 #[derive(Clone, Copy, Debug)]
@@ -37,24 +34,6 @@ struct Slot {
     placement: Placement,
     changes: bool,
     seed: u64,
-}
-
-/// Something that drives.
-#[derive(Clone, Debug)]
-struct Mover {
-    kind: Kind,
-    gain: f64,
-    path: Path,
-}
-
-#[derive(Clone, Debug)]
-enum Path {
-    /// Meets us at `s` (meters driven) at time `t`, coming with `speed`.
-    Oncoming { s: f64, t: f64, speed: f64, lateral: f64 },
-    /// Along a side street: at its middle at time `t`, `sign` +1 from left to right.
-    Crossing { center: V3, right: V3, sign: f64, t: f64, speed: f64, lateral: f64, reach: [f64; 2] },
-    /// `gap_m` beyond where we shall be after `mean_s + headway(t)` seconds.
-    Leader { headway: Wander, mean_s: f64, gap_m: f64 },
 }
 
 /// All vehicles of a world.
@@ -73,11 +52,14 @@ const N_CARS: usize = 12;
 const N_VANS: usize = 3;
 const N_BUSES: usize = 2;
 const N_TRUCKS: usize = 2;
+/// Number of lorries and trams where a preset wants them.
+const N_LORRIES: usize = 4;
+const N_TRAMS: usize = 3;
 
 impl Traffic {
     /// Fills the world with vehicles; `trucks` are the times at which we halt before crossings.
     pub(crate) fn new(world: &TrafficPlan<'_>, scene: &mut Scene, common: &Common, seed: u64) -> Self {
-        let kinds = build_kinds(scene, common, seed);
+        let kinds = build_kinds(scene, common, world.settings, seed);
         let mut traffic = Self {
             kinds,
             slots: slots(world, seed),
@@ -90,7 +72,12 @@ impl Traffic {
         if let Some(mean_s) = world.settings.leader_s {
             traffic.add_leader(mean_s, seed, &mut rng);
         }
-        traffic.add_trucks(world);
+        traffic.add_company(world, seed);
+        match world.settings.halts {
+            Halts::None => {}
+            Halts::Trucks => traffic.add_trucks(world),
+            Halts::Trams => traffic.add_trams(world),
+        }
         traffic.add_crossing(world, &mut rng);
         traffic.add_oncoming(world, &mut rng);
         traffic
@@ -115,6 +102,40 @@ impl Traffic {
         let headway = Wander::new(swing, &[1.0 / 37.0, 1.0 / 19.0], seed ^ 0x1ead);
         let gap_m = 0.5 * kind.model.size().length + CLOSEST_M;
         self.push(kind, Path::Leader { headway, mean_s, gap_m }, rng);
+    }
+
+    /// Vehicles that stay with us.
+    fn add_company(&mut self, world: &TrafficPlan<'_>, seed: u64) {
+        let drive = (world.drive.duration(), world.drive.length);
+        let large = &self.kinds[N_CARS + N_VANS..];
+        let large: Vec<Kind> = match world.settings.company {
+            Company::Lorries => large[N_BUSES + N_TRUCKS..].to_vec(),
+            _ => large.to_vec(),
+        };
+        let any = &self.kinds[..N_CARS + N_VANS];
+        for (kind, path) in company::vehicles(world.settings.company, &large, any, drive, seed) {
+            self.movers.push(Mover { kind, gain: 1.0, path });
+        }
+    }
+
+    /// Trams across each halt, in both directions; the nearer track carries two that are coupled.
+    fn add_trams(&mut self, world: &TrafficPlan<'_>) {
+        for (i, halt) in world.halts.iter().enumerate() {
+            let street = &world.side_streets[halt.street];
+            for (k, (sign, behind_s)) in TRAMS.into_iter().enumerate() {
+                let kind = self.kinds[N_CARS + N_VANS + N_BUSES + N_TRUCKS + (i + k) % N_TRAMS];
+                let path = Path::Crossing {
+                    center: street.center,
+                    right: street.right,
+                    sign,
+                    t: halt.time + behind_s,
+                    speed: TRAM_SPEED,
+                    lateral: 1.7,
+                    reach: [street.left_m, street.right_m],
+                };
+                self.movers.push(Mover { kind, gain: 1.0, path });
+            }
+        }
     }
 
     /// A truck across each halt: its middle is before us at half time.
@@ -245,38 +266,6 @@ impl Traffic {
     }
 }
 
-impl Mover {
-    /// Where it is at time `t`; `None` while it is out of sight.
-    fn placement(&self, course: &Course, drive: &Drive, t: f64) -> Option<Placement> {
-        match &self.path {
-            Path::Oncoming { s, t: meet, speed, lateral } => {
-                let here = s - speed * (t - meet);
-                if (here - drive.driven(t)).abs() > VISIBLE_M {
-                    return None;
-                }
-                let mut placement = course.at(here).beside(*lateral);
-                placement.yaw += std::f64::consts::PI;
-                Some(placement)
-            }
-            Path::Crossing { center, right, sign, t: middle, speed, lateral, reach } => {
-                let along = sign * speed * (t - middle);
-                if along < -reach[0] || along > reach[1] {
-                    return None;
-                }
-                let dir = right * *sign;
-                let own_right = V3::y().cross(&dir);
-                let position = center + right * along + own_right * *lateral;
-                Some(Placement { position, yaw: dir.x.atan2(dir.z) })
-            }
-            Path::Leader { headway, mean_s, gap_m } => {
-                let ahead = drive.driven(t + mean_s + headway.at(t)) + gap_m;
-                let station = course.at(ahead);
-                Some(station.beside(LANE_M))
-            }
-        }
-    }
-}
-
 /// A halt of ours, for a truck to pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Halt {
@@ -296,12 +285,18 @@ pub(crate) struct TrafficPlan<'a> {
     pub(crate) halts: &'a [Halt],
 }
 
-fn build_kinds(scene: &mut Scene, common: &Common, seed: u64) -> Vec<Kind> {
+fn build_kinds(scene: &mut Scene, common: &Common, settings: &Settings, seed: u64) -> Vec<Kind> {
+    let special = match (settings.company, settings.halts) {
+        (_, Halts::Trams) => vec![Model::Tram; N_TRAMS],
+        (Company::None, _) => Vec::new(),
+        _ => vec![Model::Lorry; N_LORRIES],
+    };
     let models = (0..N_CARS)
         .map(|i| if i % 2 == 0 { Model::Hatchback } else { Model::Saloon })
         .chain([Model::Van; N_VANS])
         .chain([Model::Bus; N_BUSES])
-        .chain([Model::Truck; N_TRUCKS]);
+        .chain([Model::Truck; N_TRUCKS])
+        .chain(special);
     models
         .enumerate()
         .map(|(i, model)| {

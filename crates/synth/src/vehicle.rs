@@ -1,4 +1,4 @@
-//! Meshes of cars, vans, buses and trucks: the origin on the ground in the middle, z forward, x right.
+//! Meshes of cars, vans, buses, trucks, lorries and trams: the origin on the ground in the middle, z forward, x right.
 
 use crate::library::{Common, Recipe, Recipes};
 use crate::mesh::{Mesh, Surface, V3};
@@ -22,6 +22,8 @@ impl Model {
             Self::Van => (5.3, 2.0, 2.2),
             Self::Bus => (11.5, 2.5, 3.1),
             Self::Truck => (15.0, 2.5, 3.8),
+            Self::Lorry => (13.2, 2.55, 4.0),
+            Self::Tram => (27.0, 2.6, 3.6),
         };
         Size { length, width, height }
     }
@@ -54,12 +56,14 @@ pub(crate) fn build(model: Model, recipes: &mut Recipes, common: &Common, seed: 
         Model::Van => {
             body.car(size, 1.1, &Profile { bonnet: 0.55, screen: 0.75, rear_screen: 0.1, boot: 0.02 })
         }
-        Model::Bus => body.boxed(-0.5 * size.length, size.length, size, Part::Box),
-        Model::Truck => {
+        Model::Bus => body.boxed(-0.5 * size.length, size.length, size, [Part::Box, Part::Rear]),
+        Model::Tram => body.boxed(-0.5 * size.length, size.length, size, [Part::Cars, Part::Rear]),
+        Model::Truck | Model::Lorry => {
             let cab = 2.3;
             let cab_size = Size { height: 3.0, ..size };
-            body.boxed(0.5 * size.length - cab, cab, cab_size, Part::Flank);
-            body.boxed(-0.5 * size.length, size.length - cab - 0.5, size, Part::Box);
+            let rear = if model == Model::Lorry { Part::Doors } else { Part::Rear };
+            body.boxed(0.5 * size.length - cab, cab, cab_size, [Part::Flank, Part::Rear]);
+            body.boxed(-0.5 * size.length, size.length - cab - 0.5, size, [Part::Box, rear]);
         }
     }
     body.wheels(size);
@@ -211,7 +215,7 @@ impl Body<'_> {
     }
 
     /// An upright box from `rear` (z) with the given length.
-    fn boxed(&mut self, rear: f64, length: f64, size: Size, side_part: Part) {
+    fn boxed(&mut self, rear: f64, length: f64, size: Size, [side_part, rear_part]: [Part; 2]) {
         let (w, bottom) = (0.5 * size.width, 0.35);
         let front = rear + length;
         let p = |x: f64, up: f64, z: f64| V3::new(x, -up, z);
@@ -225,7 +229,7 @@ impl Body<'_> {
             Part::Front,
             [p(w, middle, front), p(-w, middle, front), p(-w, bottom, front), p(w, bottom, front)],
         );
-        self.face(Part::Rear, [p(-w, h, rear), p(w, h, rear), p(w, bottom, rear), p(-w, bottom, rear)]);
+        self.face(rear_part, [p(-w, h, rear), p(w, h, rear), p(w, bottom, rear), p(-w, bottom, rear)]);
         self.face(Part::Sheet, [p(-w, h, front), p(w, h, front), p(w, h, rear), p(-w, h, rear)]);
     }
 
@@ -265,7 +269,9 @@ mod tests {
     fn faces_look_away_from_the_middle() {
         let mut recipes = Recipes::default();
         let common = Common::new(&mut recipes, 1);
-        for model in [Model::Hatchback, Model::Saloon, Model::Van, Model::Bus, Model::Truck] {
+        for model in
+            [Model::Hatchback, Model::Saloon, Model::Van, Model::Bus, Model::Truck, Model::Lorry, Model::Tram]
+        {
             let mesh = build(model, &mut recipes, &common, 5);
             let size = model.size();
             for p in &mesh.polygons {

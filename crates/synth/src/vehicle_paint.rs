@@ -12,6 +12,8 @@ pub(crate) enum Model {
     Van,
     Bus,
     Truck,
+    Lorry,
+    Tram,
 }
 
 /// A face of a vehicle.
@@ -30,6 +32,10 @@ pub(crate) enum Part {
     Wheel,
     /// Flank of a box body or a bus.
     Box,
+    /// Rear doors of a box body.
+    Doors,
+    /// Flank of a tram: several cars.
+    Cars,
 }
 
 impl Part {
@@ -41,6 +47,8 @@ impl Part {
             Self::Front | Self::Rear | Self::Glass | Self::Sheet => [128, 64],
             Self::Wheel => [64, 64],
             Self::Box => [512, 256],
+            Self::Doors => [256, 256],
+            Self::Cars => [1024, 128],
         }
     }
 }
@@ -69,6 +77,8 @@ pub(crate) fn bake(part: Part, model: Model, seed: u32) -> Texture {
         Part::Sheet => sheet(&mut canvas, tone),
         Part::Wheel => wheel(&mut canvas, seed),
         Part::Box => box_side(&mut canvas, tone, model, seed),
+        Part::Doors => doors(&mut canvas, tone, seed),
+        Part::Cars => cars(&mut canvas, tone, seed),
     }
     canvas.roughen(0.12, 3, 0.7, 4.0, seed ^ 0x5);
     canvas.into_texture()
@@ -219,4 +229,55 @@ fn box_side(canvas: &mut Canvas, tone: f32, model: Model, seed: u32) {
     }
     canvas.frame(Rect::new(0.0, 0.0, 1.0, 1.0), 0.012, tone * 0.45);
     canvas.fill(Rect::new(0.0, 0.94, 1.0, 0.06), 35.0);
+}
+
+/// Two doors with bars, lettering, lamps below.
+fn doors(canvas: &mut Canvas, tone: f32, seed: u32) {
+    let r = |k: i32| unit(k, 8, seed);
+    let contrast = if tone > 128.0 { 40.0 } else { 225.0 };
+    canvas.paint(Rect::new(0.0, 0.1 + 0.4 * r(0), 1.0, 0.15), 0.8, |_, _| contrast);
+    canvas.letters(Rect::new(0.08, 0.12, 0.84, 0.3), 0.14, contrast, seed);
+    canvas.letters(Rect::new(0.1, 0.5, 0.8, 0.2), 0.06, contrast, seed ^ 5);
+    canvas.fill(Rect::new(0.495, 0.02, 0.01, 0.83), 25.0);
+    for x in [0.14, 0.36, 0.62, 0.84] {
+        canvas.paint(Rect::new(x, 0.02, 0.014, 0.83), 0.8, |_, _| 150.0);
+        canvas.fill(Rect::new(x - 0.02, 0.6, 0.054, 0.03), 60.0);
+    }
+    for k in 0..6 {
+        let at = |j: i32| unit(k, 20 + j, seed);
+        let sticker =
+            Rect::new(0.05 + 0.85 * at(0), 0.05 + 0.75 * at(1), 0.03 + 0.05 * at(2), 0.03 + 0.05 * at(3));
+        canvas.fill(sticker, 30.0 + 200.0 * at(4));
+    }
+    canvas.frame(Rect::new(0.0, 0.0, 1.0, 0.86), 0.012, tone * 0.45);
+    canvas.fill(Rect::new(0.0, 0.86, 1.0, 0.14), 28.0);
+    for x in [0.04, 0.82] {
+        canvas.fill(Rect::new(x, 0.88, 0.14, 0.06), 170.0);
+        canvas.fill(Rect::new(x + 0.05, 0.885, 0.03, 0.05), 235.0);
+    }
+    plate(canvas, Rect::new(0.36, 0.88, 0.28, 0.08), seed);
+}
+
+/// Windows and doors in a row, a stripe, lettering, joints between the cars.
+fn cars(canvas: &mut Canvas, tone: f32, seed: u32) {
+    let contrast = if tone > 128.0 { 40.0 } else { 225.0 };
+    canvas.paint(Rect::new(0.0, 0.62, 1.0, 0.09), 0.9, |_, _| contrast);
+    canvas.fill(Rect::new(0.01, 0.14, 0.98, 0.4), 22.0);
+    for i in 0..20 {
+        let x = 0.014 + 0.0487 * i as f32;
+        let pane = |u: f32, v: f32| 48.0 + 34.0 * octaves(20.0 * u, 5.0 * v, [64, 64], 4, 0.6, seed ^ i);
+        canvas.paint(Rect::new(x, 0.16, 0.044, 0.36), 1.0, pane);
+        canvas.ellipse([x + 0.012, 0.46], [0.005, 0.06], 95.0);
+        if i % 4 == 2 {
+            canvas.fill(Rect::new(x, 0.12, 0.042, 0.78), tone * 0.7);
+            canvas.paint(Rect::new(x + 0.004, 0.17, 0.015, 0.6), 1.0, pane);
+            canvas.paint(Rect::new(x + 0.023, 0.17, 0.015, 0.6), 1.0, pane);
+        }
+    }
+    canvas.letters(Rect::new(0.05, 0.74, 0.9, 0.12), 0.09, contrast, seed);
+    for x in [0.33, 0.66] {
+        canvas.fill(Rect::new(x - 0.006, 0.0, 0.012, 1.0), 30.0);
+    }
+    canvas.frame(Rect::new(0.0, 0.0, 1.0, 1.0), 0.01, tone * 0.45);
+    canvas.fill(Rect::new(0.0, 0.92, 1.0, 0.08), 32.0);
 }

@@ -8,22 +8,30 @@ use crate::layout::SideStreet;
 use crate::lens::{LensCamera, Redrawing};
 use crate::library::{Common, Library};
 use crate::mesh::{Instance, Mesh, V3};
-use crate::preset::{Preset, Settings};
+use crate::preset::{Halts, Pace, Preset, Settings};
 use crate::render;
 use crate::sensor::{Eye, Sensor};
 use crate::town::{self, Scene};
 use crate::traffic::{Halt, Traffic, TrafficPlan};
-use geometry::{GrayImage, Pinhole, Raster, SE3, StereoRig};
+use geometry::{GrayImage, Pinhole, Raster, SE3, StereoRig, mix_seed};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 /// Frames per second.
 pub const FRAME_RATE_HZ: f64 = 10.0;
 /// Length of the open street per round, meters.
 const STREET_M: f64 = 900.0;
-/// Where we halt before a crossing's middle, meters, and for how long, seconds.
-const HALT_BEFORE_M: f64 = 10.0;
-const HALT_S: f64 = 6.5;
-/// Halts per round.
+/// Where we halt before a crossing's middle, meters, and for how long, seconds: for a truck, for trams.
+const HALT_BEFORE_M: [f64; 2] = [10.0, 9.5];
+const HALT_S: [f64; 2] = [6.5, 6.5];
+/// How far before that we stop a first time for trams, meters, and for how long, seconds.
+const ROLL_UP_M: f64 = 9.0;
+const ROLL_UP_S: f64 = 1.0;
+/// Halts per round for trucks.
 const HALTS_PER_ROUND: usize = 4;
+/// Way from one stop to the next in a jam, meters, and for how long we stand, seconds.
+const JAM_WAY_M: [f64; 2] = [9.0, 22.0];
+const JAM_STOP_S: [f64; 2] = [0.8, 2.5];
 
 /// The two images of a moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,13 +83,13 @@ pub struct World {
 
 impl World {
     /// Lays out the world of a seed and bakes its textures (about a second). `rounds` (at least 1) is how often the closed course is
-    /// driven; [`Preset::Facades`] has an open street, which `rounds` makes longer.
+    /// driven; an open street becomes longer by `rounds`.
     #[must_use]
     pub fn new(preset: Preset, seed: u64, rounds: u32) -> Self {
         let rounds = rounds.max(1);
         let settings = preset.settings();
         let street_m = STREET_M * f64::from(rounds);
-        let course = if settings.regular { Course::street(seed, street_m) } else { Course::town(seed) };
+        let course = if settings.open { Course::street(seed, street_m) } else { Course::town(seed) };
         let length = if course.closed { course.length * f64::from(rounds) } else { street_m };
         let side_streets = town::side_streets(&course, &settings, seed);
         let (drive, halts) = plan_drive(&course, &side_streets, &settings, length, seed);
@@ -303,24 +311,45 @@ fn plan_drive(
     seed: u64,
 ) -> (Drive, Vec<Halt>) {
     let crossings: Vec<usize> = (0..side_streets.len()).filter(|i| side_streets[*i].is_crossing()).collect();
-    let spacing = crossings.len().div_ceil(HALTS_PER_ROUND).max(1);
+    let (spacing, kind) = match settings.halts {
+        Halts::Trams => (1, 1),
+        _ => (crossings.len().div_ceil(HALTS_PER_ROUND).max(1), 0),
+    };
     let mut stops: Vec<(usize, Stop)> = Vec::new();
     let mut start = 0.0;
-    while settings.truck_halts && start < length {
+    while settings.halts != Halts::None && start < length {
         for street in crossings.iter().step_by(spacing) {
-            let s = start + side_streets[*street].s - HALT_BEFORE_M;
+            let s = start + side_streets[*street].s - HALT_BEFORE_M[kind];
             if s < length - 30.0 {
-                stops.push((*street, Stop { s, seconds: HALT_S }));
+                stops.push((*street, Stop { s, seconds: HALT_S[kind] }));
             }
         }
         start += course.length;
     }
-    let drive = Drive::new(course, length, &stops.iter().map(|(_, stop)| *stop).collect::<Vec<_>>(), seed);
+    let mut places: Vec<Stop> = stops.iter().map(|(_, stop)| *stop).collect();
+    if settings.pace == Pace::Crawl {
+        places.extend(jam_stops(length, seed));
+    }
+    if settings.halts == Halts::Trams {
+        places.extend(stops.iter().map(|(_, stop)| Stop { s: stop.s - ROLL_UP_M, seconds: ROLL_UP_S }));
+    }
+    let drive = Drive::new(course, length, settings.pace, &places, seed);
     let halts = stops
         .iter()
         .map(|(street, stop)| Halt { street: *street, time: drive.arrival(stop), seconds: stop.seconds })
         .collect();
     (drive, halts)
+}
+
+/// Where we stand in a jam.
+fn jam_stops(length: f64, seed: u64) -> Vec<Stop> {
+    let mut rng = ChaCha8Rng::seed_from_u64(mix_seed(seed, 0, 9));
+    let (mut s, mut stops) = (12.0, Vec::new());
+    while s < length - 10.0 {
+        stops.push(Stop { s, seconds: rng.random_range(JAM_STOP_S[0]..JAM_STOP_S[1]) });
+        s += rng.random_range(JAM_WAY_M[0]..JAM_WAY_M[1]);
+    }
+    stops
 }
 
 #[cfg(test)]
@@ -330,7 +359,9 @@ mod tests {
 
     #[test]
     fn we_drive_through_no_vehicle() {
-        for (preset, rounds) in [(Preset::Busy, 1), (Preset::Crossing, 1), (Preset::Town, 2)] {
+        let several = [(Preset::Busy, 1), (Preset::Crossing, 1), (Preset::Town, 2), (Preset::Jam, 1)];
+        let others = [Preset::Lorry, Preset::Column, Preset::Trams].map(|preset| (preset, 1));
+        for (preset, rounds) in several.into_iter().chain(others) {
             let world = World::new(preset, 2, rounds);
             let vehicles = [LABEL_MOVING, LABEL_PARKED];
             for i in 0..world.n_frames() {

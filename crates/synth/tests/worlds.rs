@@ -206,6 +206,40 @@ fn a_truck_fills_the_view_while_we_wait() {
     assert!(most > 0.5, "{most}");
 }
 
+/// Share of the left image that moves, each second of the first `n` frames.
+fn shares_moving(world: &World, n: usize) -> Vec<f64> {
+    let share = |i: usize| {
+        let labels = world.frame(i).labels;
+        labels.data.iter().filter(|l| **l == LABEL_MOVING).count() as f64 / labels.data.len() as f64
+    };
+    (0..n).step_by(10).map(share).collect()
+}
+
+/// Longest run of values above `least`.
+fn longest_above(values: &[f64], least: f64) -> usize {
+    values.split(|v| *v < least).map(<[f64]>::len).max().unwrap_or(0)
+}
+
+#[test]
+fn traffic_fills_the_view_for_seconds_and_leaves_something_to_see() {
+    // Share of the image, and for how many seconds at least.
+    let worlds =
+        [(Preset::Jam, 0.5, 25), (Preset::Lorry, 0.5, 8), (Preset::Column, 0.3, 25), (Preset::Trams, 0.6, 6)];
+    for (preset, share, seconds) in worlds {
+        let world = World::new(preset, 82, 1);
+        let shares = shares_moving(&world, 300);
+        let longest = longest_above(&shares, share);
+        assert!(longest >= seconds, "{preset}: above {share} for {longest} s, {shares:?}");
+        let least = shares.iter().copied().fold(1.0, f64::min);
+        assert!(least < 0.8, "{preset}: {shares:?}");
+        assert!(
+            world.frame(150) == World::new(preset, 82, 1).frame(150),
+            "{preset}: equal seeds, equal frames"
+        );
+        assert!(world.frame(150).left != World::new(preset, 83, 1).frame(150).left, "{preset}: another seed");
+    }
+}
+
 #[test]
 fn near_and_far_surfaces_have_corners() {
     // A pixel that is brighter or darker by 15 than 9 or more of the 16 around it at distance 3, as FAST asks (without contiguity).

@@ -71,6 +71,11 @@ fn onnx_runtime() -> Finding {
         Ok(library) => {
             Finding::optional("ONNX Runtime", format!("{}: no such file", library.display()), remedy)
         }
+        Err(_) if dsfeat::runner(None).is_ok() => Finding::optional(
+            "ONNX Runtime",
+            "not found: the network runs without it, several times slower",
+            remedy,
+        ),
         Err(_) => Finding::optional(
             "ONNX Runtime",
             "not found: feature selection by activation is unavailable",

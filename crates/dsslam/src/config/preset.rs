@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use dsfeat::Runner;
 use features::SelectionRule;
 use io::{ConfigErrors, Problem, Provenance, SequenceKind};
 
@@ -83,7 +84,7 @@ impl Config {
     /// The built-in configuration that goes with the layout of a folder, with overrides (`key=value`) above it; the defaults where
     /// there is none.
     ///
-    /// Without ONNX Runtime features are selected by their response where a built-in configuration would select them by activation and
+    /// Where no network can run features are selected by their response where a built-in configuration would select them by activation and
     /// no override does.
     ///
     /// # Errors
@@ -110,9 +111,14 @@ impl Config {
         };
         let is_built_in =
             preset.is_some() || file.is_some_and(|file| !file.is_file() && find(file).is_some());
-        let has_library =
-            network.library.is_some() || dsfeat::find_library().is_ok_and(|file| file.is_file());
-        let notices = if is_built_in && !has_library { config.without_network() } else { Vec::new() };
+        let notices = match dsfeat::runner(network.library.as_deref()) {
+            Err(_) if is_built_in && network.library.is_none() => config.without_network(),
+            Ok(Runner::BuiltIn) if config.features.selection != SelectionRule::Response => vec![format!(
+                "ONNX Runtime was not found, so the network runs on what is built in, several times slower; {}",
+                dsfeat::INSTALL
+            )],
+            _ => Vec::new(),
+        };
         Ok(Chosen { config, preset: preset.map(|preset| preset.name), notices })
     }
 
