@@ -1,8 +1,9 @@
 //! What the map believes of the points that each frame shows, as a table to compare with labels of what moves
 //! (`python -m dsfeat.points`): frame, pixel, the network's word on the feature, the belief in its point before this frame, in how
-//! many earlier frames the point was matched, its number, whether the match agrees with the pose, how far the feature is from where
-//! the point would be if it stood (left and right column, row; px), the feature's information (1/px²), the point and the step that the
-//! camera has made since the last frame (m, in coordinates of the camera).
+//! many earlier frames the point was matched, how many frames the map has judged it by (it learns of them with a keyframe), its
+//! number, whether the match agrees with the pose, how far the feature is from where the point would be if it stood (left column,
+//! right column, row; px), the feature's information (1/px²), the point and the step that the camera has made since the last frame
+//! (m, in coordinates of the camera).
 //!
 //! `cargo run --release -p dsslam-tests --example belief -- SEQUENCE [KEY=VALUE]... > points.csv`
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for people")]
@@ -40,10 +41,11 @@ impl Observer for Table {
             let right = f64::from(frame.right_u[i]);
             let sights = self.sights.entry(pair.1).or_default();
             println!(
-                "{index},{:.1},{:.1},{:.4},{trust:.4},{sights},{},{},{:.2},{:.2},{:.2},{:.4},{:.3},{:.3},{:.3},{:.3},{:.3},{:.3}",
+                "{index},{:.1},{:.1},{:.4},{trust:.4},{sights},{},{},{},{:.2},{:.2},{:.2},{:.4},{:.3},{:.3},{:.3},{:.3},{:.3},{:.3}",
                 pixel.x,
                 pixel.y,
                 frame.activation[i],
+                point.seen,
                 pair.1.0,
                 u8::from(details.inliers.contains(pair)),
                 pixel.x - seen.x,
@@ -73,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let chosen = Config::for_sequence(Path::new(sequence), overrides)?;
     chosen.notices.iter().for_each(|notice| eprintln!("{notice}"));
-    println!("frame,x,y,word,belief,sights,point,inlier,du,dr,dv,information,X,Y,Z,stepX,stepY,stepZ");
+    println!("frame,x,y,word,belief,sights,judged,point,inlier,du,dr,dv,information,X,Y,Z,stepX,stepY,stepZ");
     Session::open(sequence, &chosen.config)?.run(&mut Table::default())?;
     Ok(())
 }
