@@ -98,8 +98,13 @@ def without_seams(codes: np.ndarray) -> np.ndarray:
     )
     table = np.zeros(int(nearest.max()) + 1, np.uint8)
     table[nearest[codes != IGNORED]] = codes[codes != IGNORED]
-    closed = np.where((codes == IGNORED) & (distance <= SEAM), table[nearest], codes)
-    return np.where(threads(codes == VEHICLE), IGNORED, closed)
+    return np.where((codes == IGNORED) & (distance <= SEAM), table[nearest], codes)
+
+
+def mended(codes: np.ndarray, source: str) -> np.ndarray:
+    """Codes to train on: without seams, and in Cityscapes' copy without threads."""
+    closed = without_seams(codes)
+    return np.where(threads(codes == VEHICLE), IGNORED, closed) if source == "cityscapes256" else closed
 
 
 def threads(vehicles: np.ndarray) -> np.ndarray:
@@ -192,10 +197,12 @@ def collect(name: str, form: str, rows: list[tuple[Path, np.ndarray, str]]) -> F
 
 
 def photographs(source: str, part: str, training: Path) -> Frames:
-    """A data set with class labels; to train on, without seams."""
-    labels = sorted((training / source / part / "label").glob("*.webp"))
-    closed = without_seams if part == "train" else lambda codes: codes
-    rows = [(p.parent.parent / "image" / p.name, closed(class_codes(read_classes(p), source)), p.stem.split("_")[0]) for p in labels]
+    """A data set with class labels, mended where it is trained on."""
+    rows = []
+    for path in sorted((training / source / part / "label").glob("*.webp")):
+        codes = class_codes(read_classes(path), source)
+        codes = mended(codes, source) if part == "train" else codes
+        rows.append((path.parent.parent / "image" / path.name, codes, path.stem.split("_")[0]))
     return collect(f"{source}_{part}", source, rows)
 
 
@@ -204,7 +211,7 @@ def looked(source: str, training: Path, states: dict) -> Frames:
     rows = []
     for name in sorted(n for n in states if n.startswith(f"{source}/train")):
         path = training / name
-        codes = without_seams(with_states(class_codes(read_classes(path), source), states[name]))
+        codes = mended(with_states(class_codes(read_classes(path), source), states[name]), source)
         rows.append((path.parent.parent / "image" / path.name, codes, path.stem.split("_")[0]))
     return collect(f"{source}_looked", source, rows)
 

@@ -147,7 +147,7 @@ def test_seams_take_the_nearest_label_and_threads_none():
     codes = np.full((20, 30), STILL, np.uint8)
     codes[5:15, 5:15], codes[4:16, 4], codes[4:16, 15:17] = VEHICLE, IGNORED, IGNORED
     codes[18:, :], codes[2, 18:28] = IGNORED, VEHICLE
-    found = streets.without_seams(np.vstack([codes, np.zeros((10, 30), np.uint8)]))
+    found = streets.mended(np.vstack([codes, np.zeros((10, 30), np.uint8)]), "cityscapes256")
     assert (found[5:15, 5:15] == VEHICLE).all() and found[10, 15] == VEHICLE and found[10, 16] == STILL and found[10, 4] in (STILL, VEHICLE)
     assert (found[24:] == IGNORED).all(), "what is far from a label stays without one"
     assert (found[2, 18:28] == IGNORED).all(), "a wire is no vehicle"
