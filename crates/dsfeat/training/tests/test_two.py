@@ -150,7 +150,7 @@ def test_seams_take_the_nearest_label_and_threads_none():
     found = streets.mended(np.vstack([codes, np.zeros((10, 30), np.uint8)]), "cityscapes256")
     assert (found[5:15, 5:15] == VEHICLE).all() and found[10, 15] == VEHICLE and found[10, 16] == STILL and found[10, 4] in (STILL, VEHICLE)
     assert (found[24:] == IGNORED).all(), "what is far from a label stays without one"
-    assert (found[2, 18:28] == IGNORED).all(), "a wire is no vehicle"
+    assert (found[2, 18:28] == IGNORED).all(), "a wire is not a vehicle"
 
 
 def test_an_exported_model_can_be_loaded_again(tmp_path):
