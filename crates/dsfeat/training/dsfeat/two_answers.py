@@ -213,6 +213,26 @@ def load_imagenet(encoder: Encoder, path: Path) -> None:
         put(block.project, f"{name}._project_conv", f"{name}._bn2")
 
 
+def load_exported(network: "TwoAnswers", path: Path) -> None:
+    """Loads an exported model. Normalizations that the export has folded into convolutions become the identity with a bias."""
+    import onnx
+
+    graph = onnx.load(str(path)).graph
+    values = {i.name: torch.from_numpy(onnx.numpy_helper.to_array(i).copy()) for i in graph.initializer}
+    state = network.state_dict()
+    state.update({k.removeprefix("network."): v for k, v in values.items() if k.startswith("network.")})
+    after = {name: node for node in graph.node for name in node.input if node.op_type == "Conv"}
+    for node in graph.node:
+        weight = node.input[1].removeprefix("network.") if node.op_type == "Conv" else ""
+        name = weight.removesuffix(".depthwise.weight")
+        if f"{name}.pointwise.weight" in state:
+            _, folded_weight, folded_bias = after[node.output[0]].input
+            state[f"{name}.pointwise.weight"], state[f"{name}.norm.bias"] = values[folded_weight], values[folded_bias]
+            for key, value in (("weight", 1.0), ("running_mean", 0.0), ("running_var", 1.0 - 1e-5)):
+                state[f"{name}.norm.{key}"] = torch.full_like(values[folded_bias], value)
+    network.load_state_dict(state)
+
+
 class Exported(nn.Module):
     """`TwoAnswers` as exported: `activation`, `lasting` and `known`."""
 

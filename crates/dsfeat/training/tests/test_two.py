@@ -129,3 +129,37 @@ def test_unknown_settings_are_refused(tmp_path):
     (tmp_path / "c.json").write_text('{"rat": 1}')
     with pytest.raises(SystemExit, match="unknown keys rat"):
         train_two.read(tmp_path / "c.json")
+
+
+def test_two_wheelers_move_with_a_rider_and_stand_alone():
+    labels = np.zeros((30, 40), np.uint8)
+    labels[10:14, 2:6], labels[6:9, 3:5] = 18, 12
+    labels[10:14, 15:19] = 18
+    labels[10:14, 28:32], labels[8:14, 33:35] = 17, 11
+    labels[22:28, 10:20] = 13
+    codes = streets.class_codes(labels, "cityscapes256")
+    assert (codes[10:14, 2:6] == MOVING).all() and (codes[10:14, 15:19] == STANDING).all()
+    assert (codes[10:14, 28:32] == VEHICLE).all(), "somebody walks beside it"
+    assert codes[24, 12] == VEHICLE and codes[0, 0] == STILL
+
+
+def test_seams_take_the_nearest_label_and_threads_none():
+    codes = np.full((20, 30), STILL, np.uint8)
+    codes[5:15, 5:15], codes[4:16, 4], codes[4:16, 15:17] = VEHICLE, IGNORED, IGNORED
+    codes[18:, :], codes[2, 18:28] = IGNORED, VEHICLE
+    found = streets.mended(np.vstack([codes, np.zeros((10, 30), np.uint8)]), "cityscapes256")
+    assert (found[5:15, 5:15] == VEHICLE).all() and found[10, 15] == VEHICLE and found[10, 16] == STILL and found[10, 4] in (STILL, VEHICLE)
+    assert (found[24:] == IGNORED).all(), "what is far from a label stays without one"
+    assert (found[2, 18:28] == IGNORED).all(), "a wire is not a vehicle"
+
+
+def test_an_exported_model_can_be_loaded_again(tmp_path):
+    torch.manual_seed(3)
+    network = TwoAnswers()
+    network(torch.rand(2, 1, 64, 96))
+    network.eval()
+    two_export.export_onnx(network, tmp_path / "model.onnx")
+    again = train_two.starting(tmp_path / "model.onnx").eval()
+    image = torch.rand(1, 1, 64, 96)
+    for a, b in zip(network(image).answers(), again(image).answers()):
+        assert torch.allclose(a, b, atol=1e-5)

@@ -13,12 +13,8 @@ const WALKING_M_S: f64 = 1.4;
 /// Most that one sight says for and against standing still, log-odds. Sights of neighboring frames are not independent.
 const MOST_FOR: f64 = 0.5;
 const MOST_AGAINST: f64 = 2.0;
-/// What a point says that should be seen and is not, log-odds: those that move are missed about as often again as others.
-const MISSED: f64 = -0.3;
-/// Largest log-odds of a network's word against standing still and for it (which may mean that it has no opinion), and what
-/// share of it counts: it repeats itself.
+/// Largest log-odds of a network's word in either direction, and what share of it counts: it repeats itself.
 const MOST_OF_WORD: f64 = 2.0;
-const MOST_OF_PRAISE: f64 = 1.0;
 const SHARE_OF_WORD: f64 = 0.4;
 
 /// How a mover would have gone since the last frame, in coordinates of the camera.
@@ -38,7 +34,8 @@ impl Yardstick {
     }
 }
 
-/// Adds what a tracked frame says to its counts.
+/// Adds what a tracked frame says to its counts. A point that should be seen and is not says nothing: on real streets those that stand
+/// are missed as often as those that move.
 pub(super) fn add_evidence(
     local: &mut LocallyTracked,
     frame: &Frame,
@@ -55,10 +52,8 @@ pub(super) fn add_evidence(
         let point_cam = *cam_from_world * point.position;
         let at = features.binary_search_by_key(&count.point, |&(point, _)| point);
         let feature = at.ok().map(|at| features[at].1 as usize);
-        let says = match feature {
-            Some(i) => sight(frame, i, &point_cam, yardstick, sigma_px) + word(frame.activation[i]),
-            None => MISSED * visibility(would_have_moved_sq(frame, None, &point_cam, yardstick, sigma_px)),
-        };
+        let says = feature
+            .map_or(0.0, |i| sight(frame, i, &point_cam, yardstick, sigma_px) + word(frame.activation[i]));
         count.evidence = (1000.0 * says) as i32;
     }
 }
@@ -66,7 +61,7 @@ pub(super) fn add_evidence(
 /// Log-odds of a network's word.
 fn word(activation: f32) -> f64 {
     let a = f64::from(activation).clamp(1e-3, 1.0 - 1e-3);
-    SHARE_OF_WORD * (a / (1.0 - a)).ln().clamp(-MOST_OF_WORD, MOST_OF_PRAISE)
+    SHARE_OF_WORD * (a / (1.0 - a)).ln().clamp(-MOST_OF_WORD, MOST_OF_WORD)
 }
 
 /// Log-likelihood ratio of standing still against moving for a feature that shows a point: the residuals have the feature's variance if
@@ -84,15 +79,15 @@ fn sight(frame: &Frame, i: usize, point_cam: &Vec3, yardstick: Yardstick, sigma_
         dimensions = 3.0;
     }
     let chi_sq = error_sq * information(frame, i, Noise { sigma_px, weighted: false });
-    let moved_sq = would_have_moved_sq(frame, Some(i), point_cam, yardstick, sigma_px) / dimensions;
+    let moved_sq = would_have_moved_sq(frame, i, point_cam, yardstick, sigma_px) / dimensions;
     let ratio = 0.5 * (dimensions * (1.0 + moved_sq).ln() - chi_sq * visibility(moved_sq));
     ratio.clamp(-MOST_AGAINST, MOST_FOR)
 }
 
-/// Squared motion in the image over the variance of a feature (of octave 0 without one), all measured dimensions added up.
+/// Squared motion in the image over the variance of a feature, all measured dimensions added up.
 fn would_have_moved_sq(
     frame: &Frame,
-    feature: Option<usize>,
+    i: usize,
     point_cam: &Vec3,
     Yardstick(step): Yardstick,
     sigma_px: f64,
@@ -103,11 +98,10 @@ fn would_have_moved_sq(
     }
     let stereo = &frame.rig.stereo;
     let mut moved = stereo.project(&moved_cam) - stereo.project(point_cam);
-    if !feature.is_some_and(|i| frame.has_depth(i)) {
+    if !frame.has_depth(i) {
         moved.z = 0.0;
     }
-    let noise = Noise { sigma_px, weighted: false };
-    moved.norm_squared() * feature.map_or(1.0 / (sigma_px * sigma_px), |i| information(frame, i, noise))
+    moved.norm_squared() * information(frame, i, Noise { sigma_px, weighted: false })
 }
 
 /// How well a motion could be seen: 0 for one far below the noise, 1 for one far above.
