@@ -33,15 +33,22 @@ fn run(sequence: &str, config: &str, args: &[&str]) -> Option<serde_json::Value>
     Some(summary(folder.path()))
 }
 
-/// ORB-SLAM2's median on the same frames.
-const ORB_SLAM2_KITTI06_ATE_M: f64 = 0.054;
+/// ORB-SLAM2's medians on the same frames, forwards, mirrored and reversed.
+const ORB_SLAM2_KITTI06_ATE_M: [(&[&str], f64); 3] =
+    [(&[], 0.054), (&["--variant", "mirrored"], 0.094), (&["--variant", "reversed"], 0.040)];
 
+/// A single run on so short a sequence is one draw, so the three are judged together.
 #[test]
 fn kitti06_is_tracked_as_well_as_by_orb_slam2() {
-    let Some(s) = run("kitti06_first51", "kitti.yaml", &[]) else { return };
-    assert_eq!((&s["frames"], &s["lost"], &s["dropped"]), (&51.into(), &0.into(), &0.into()), "{s:#}");
-    let ate = s["ate_rmse_m"].as_f64().unwrap();
-    assert!(ate <= ORB_SLAM2_KITTI06_ATE_M, "{ate} m");
+    let mut product = 1.0;
+    for (variant, theirs_m) in ORB_SLAM2_KITTI06_ATE_M {
+        let Some(s) = run("kitti06_first51", "kitti.yaml", variant) else { return };
+        assert_eq!((&s["frames"], &s["lost"], &s["dropped"]), (&51.into(), &0.into(), &0.into()), "{s:#}");
+        let ratio = s["ate_rmse_m"].as_f64().unwrap() / theirs_m;
+        assert!(ratio < 1.5, "{variant:?}: {ratio}");
+        product *= ratio;
+    }
+    assert!(product.cbrt() < 0.9, "{}", product.cbrt());
 }
 
 #[test]

@@ -13,7 +13,7 @@ use crate::problem::MapProblem;
 const OFFSET: usize = 4;
 /// How far disparities are usually off, one standard deviation, pixels.
 const USUAL_PX: f64 = 0.06;
-/// Offsets from here on are rare but all alike: a rig that was knocked. So many standard deviations of the usual ones.
+/// Offsets from here on are rare but all alike, as of a rig that was knocked; in standard deviations of the usual ones.
 const RARE: f64 = 2.5;
 /// What remains of the model's errors in an offset as found, one standard deviation, pixels.
 const SYSTEMATIC_PX: f64 = 0.06;
