@@ -14,6 +14,15 @@ render() { # preset seed frames rounds
     [ -e "$DSFEAT_TOWNS/$1_$2/poses.txt" ] || "$dsslam" synth "$DSFEAT_TOWNS/$1_$2" --preset "$1" --seed "$2" \
         --frames $(($3 < most ? $3 : most)) --rounds "$4" --masks
 }
+traffic() { # courses whose view traffic fills; seed 71 only measures
+    for seed in 101 102 103; do
+        for preset in jam lorry column trams; do render "$preset" "$seed" 150 1; done
+    done
+    for seed in 104 105; do
+        for preset in lorry trams; do render "$preset" "$seed" 150 1; done
+    done
+    for preset in jam lorry column trams; do render "$preset" 71 300 1; done
+}
 two() { # every n-th frame of a rendered town
     outlines=$DSFEAT_CACHE/outlines
     images="" maps=""
@@ -29,6 +38,7 @@ two() { # every n-th frame of a rendered town
 }
 if [ "${ONLY:-}" = two ]; then
     render busy 204 40 1
+    traffic
     [ -e "$DSFEAT_CACHE/triplets.npz" ] || "$python" -m dsfeat.prepare triplets --xfeat "$weights/xfeat.onnx" --csv \
         "$DSFEAT_TRAINING/triplets_camvid.csv:$DSFEAT_TRAINING:40" "$DSFEAT_TRAINING/triplets_kitti03.csv:$DSSLAM_DATA:20"
     two 1
@@ -70,4 +80,5 @@ if [ ! -e "$DSFEAT_CACHE/motion.npz" ]; then
 fi
 # Only to evaluate: points on moving and on standing vehicles of two real sequences.
 [ -e "$DSFEAT_CACHE/vehicles.npz" ] || "$python" -m dsfeat.prepare vehicles --names kittiraw_0005 kittiraw_1405 --step 2
+traffic
 two 5

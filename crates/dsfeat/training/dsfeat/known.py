@@ -21,8 +21,8 @@ from .two_answers import SCENE, TwoAnswers, size_for
 from .views import light, view, whole
 
 #: Sets of known scenes; those of the second line only measure.
-KNOWN = ("cityscapes256_train", "idd_lite_train", "camvid_train", "pseudo", "kt3dmoseg", "semantickitti", "parked", "davis")
-MEASURED = ("cityscapes256_val", "idd_lite_val", "camvid_val", "camvid_test", "dev")
+KNOWN = ("cityscapes256_train", "idd_lite_train", "camvid_train", "pseudo", "kt3dmoseg", "semantickitti", "parked", "davis", "traffic")
+MEASURED = ("cityscapes256_val", "idd_lite_val", "camvid_val", "camvid_test", "dev", "traffic_dev")
 #: Share of the frames of a strange folder that are trained on.
 SHOWN = 2 / 3
 #: Steps of the fit, and the weight of a known scene: to doubt a street costs more than to judge a hall.

@@ -43,6 +43,9 @@ THIRDS = (
     ("Seq013", "Seq037", "Seq071", "kitti06", "car-shadow"),
     ("Seq020", "Seq045", "Seq070", "Seq095", "Seq113", "p268", "kitti09", "drift-chicane", "scooter-black"),
 )
+#: Presets of `dsslam synth` that surround the camera with vehicles, of whose courses every n-th frame is used; the seed that only
+#: measures.
+TRAFFIC, TRAFFIC_STEP, CHOSEN_ON = ("jam", "lorry", "column", "trams"), 4, 71
 #: A region of the teachers' takes a state of the motion labels if this share of it has one and this share of that agrees.
 KNOWN, AGREED = 0.15, 0.7
 
@@ -253,14 +256,27 @@ def labeled(source: str, training: Path, sequences: Path) -> Frames:
     return collect(source if source == "dev" else f"labeled_{source}", "davis" if source == "davis" else "kitti", rows)
 
 
-def town(folder: Path, step: int) -> Frames:
+def town_rows(folder: Path, step: int) -> list[tuple[Path, np.ndarray, str]]:
     """Every `step`-th frame of a rendered town, with its exact masks (0 still, 1 moving, 2 parked, 3 sky)."""
     table = np.array([STILL, MOVING, STANDING, STILL], np.uint8)
-    rows = [
+    return [
         (folder / "image_0" / path.name, table[read_classes(path)], folder.name)
         for path in sorted((folder / "masks").glob("*.png"))[::step]
     ]
-    return collect(f"town_{folder.name}", "town", rows)
+
+
+def town(folder: Path, step: int) -> Frames:
+    """Every `step`-th frame of a rendered town."""
+    return collect(f"town_{folder.name}", "town", town_rows(folder, step))
+
+
+def traffic(name: str, towns: Path, step: int) -> Frames:
+    """Every `step`-th frame of the rendered courses whose view traffic fills: `traffic` of those to train on, `traffic_dev` of
+    those by which choices are made (`CHOSEN_ON`).
+    """
+    folders = [f for f in sorted(towns.iterdir()) if f.name.split("_")[0] in TRAFFIC and (f / "masks").is_dir()]
+    chosen = [f for f in folders if (int(f.name.split("_")[1]) == CHOSEN_ON) == (name == "traffic_dev")]
+    return collect(name, "town", [row for folder in chosen for row in town_rows(folder, step)])
 
 
 def save(frames: Frames, cache: Path) -> None:
@@ -303,8 +319,9 @@ def main() -> None:
     jobs.update({source: lambda s=source: motion(s, args.training, args.outlines) for source in MOTION})
     jobs["dev"] = lambda: labeled("dev", args.training, args.sequences)
     jobs.update({f"labeled_{source}": lambda s=source: labeled(s, args.training, args.sequences) for source in MOTION})
+    jobs.update({n: lambda n=n: traffic(n, args.towns, TRAFFIC_STEP) for n in ("traffic", "traffic_dev")})
     for folder in sorted(args.towns.iterdir()):
-        if (folder / "masks").is_dir():
+        if (folder / "masks").is_dir() and folder.name.split("_")[0] not in TRAFFIC:
             jobs[f"town_{folder.name}"] = lambda f=folder: town(f, args.step)
     for name, job in jobs.items():
         if not args.only or name in args.only:

@@ -21,11 +21,13 @@ from .train import save, triplet_losses, write_log
 from .triplets import Triplets
 from .two_answers import TwoAnswers, load_exported, load_imagenet
 from .two_evaluate import quick
-from .views import STRIDE, light, view
+from .views import STRIDE, light, repainted, view
 
 COLUMNS = ["epoch", "rate", "weight_semantic", "loss", "semantic", "moves", "now", "dense", "sparse", "seconds"]
 #: Sets that may be mirrored: no state of a vehicle is known in them, and people walk on both sides.
 MIRRORED = ("cityscapes256_train", "idd_lite_train", "camvid_train")
+#: Beginnings of the names of rendered sets: in half of their frames vehicles get another paint.
+RENDERED = ("town_", "traffic")
 
 
 @dataclass
@@ -97,7 +99,7 @@ class Group:
             frames = streets.load(name, cache)
             by_drive = [np.flatnonzero(frames.drives == d) for d in np.unique(frames.drives) if d not in leave_out]
             if by_drive:
-                self.sets.append((frames, by_drive, name in MIRRORED))
+                self.sets.append((frames, by_drive, name in MIRRORED, name.startswith(RENDERED)))
                 weights.append(weight)
         self.edges = np.cumsum(weights) / np.sum(weights)
 
@@ -105,10 +107,11 @@ class Group:
         """`count` views of `size`; evenly spread positions keep the shares in each step."""
         found = []
         for place in (rng.random() + np.arange(self.count)) / self.count:
-            frames, by_drive, mirror = self.sets[min(int(np.searchsorted(self.edges, place)), len(self.sets) - 1)]
+            frames, by_drive, mirror, rendered = self.sets[min(int(np.searchsorted(self.edges, place)), len(self.sets) - 1)]
             drive = by_drive[rng.integers(len(by_drive))]
             i = drive[rng.integers(len(drive))]
-            found.append(view(rng, frames.images[i], frames.codes[i], frames.aspect, size, self.least, mirror))
+            image = repainted(rng, frames.images[i], frames.codes[i]) if rendered and rng.random() < 0.5 else frames.images[i]
+            found.append(view(rng, image, frames.codes[i], frames.aspect, size, self.least, mirror))
         return found
 
 

@@ -87,7 +87,13 @@ def states(predict: Predict, sets: list[Frames]) -> dict[str, float]:
     return {
         "auc_standing_moving": standing.auc(), "auc_still_moving": still.auc(), "mean_moving": standing.means()[1],
         "mean_standing": standing.means()[0], "mean_still": still.means()[0], "failed_frames": failed / max(count, 1),
+        "moving_below_half": below(still.low), "standing_below_half": below(standing.high), "still_below_half": below(still.high),
     }
+
+
+def below(histogram: np.ndarray, threshold: float = 0.5) -> float:
+    """Share of the pixels of a `Tally`'s histogram that lie below the threshold."""
+    return float(histogram[: round(threshold * len(histogram))].sum() / max(histogram.sum(), 1))
 
 
 def hidden(predict: Predict, training: Path) -> dict[str, float]:
@@ -128,12 +134,20 @@ def third(cache: Path, number: int) -> list[Frames]:
     return [f for f in found if len(f)]
 
 
+def by_preset(predict: Predict, cache: Path) -> dict[str, dict[str, float]]:
+    """States in the rendered courses that traffic fills, each by itself, where they are in the cache."""
+    if not (cache / "streets_traffic_dev.npz").is_file():
+        return {}
+    frames = streets.load("traffic_dev", cache)
+    return {name: states(predict, [frames.of(np.flatnonzero(frames.drives == name))]) for name in np.unique(frames.drives)}
+
+
 def evaluate(predict: Predict, cache: Path, left_out: int | None) -> dict[str, dict[str, float]]:
     """Classes on the validation sets and states on `dev`; or states on the third of the drives that was left out."""
     if left_out is None:
         found = {name: classes(predict, streets.load(name, cache)) for name in CLASSES}
         found["dev"] = states(predict, [streets.load("dev", cache)])
-        return found
+        return found | by_preset(predict, cache)
     sets = third(cache, left_out)
     found = {f"third_{left_out}": states(predict, sets)}
     for frames in sets:

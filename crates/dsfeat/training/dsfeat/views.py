@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from .streets import MOVING, STANDING
+
 #: How far a view's proportions may differ from the frame's: the logarithm of a factor.
 STRETCH = 0.2
 #: Maps have the image's size divided by this.
@@ -105,6 +107,16 @@ def light(rng: np.random.Generator, image: np.ndarray) -> np.ndarray:
     if rng.random() < 0.4:
         out = out + rng.standard_normal(out.shape, dtype=np.float32) * np.float32(rng.uniform(0.0, 0.04))
     return np.clip(out, 0.0, 1.0)
+
+
+def repainted(rng: np.random.Generator, image: np.ndarray, codes: np.ndarray) -> np.ndarray:
+    """A rendered frame (uint8) whose vehicles have another paint: contrast and brightness of each connected region change."""
+    count, found = cv2.connectedComponents(np.isin(codes, (STANDING, MOVING)).astype(np.uint8), connectivity=4)
+    mean = np.bincount(found.ravel(), image.ravel(), count) / np.maximum(np.bincount(found.ravel(), minlength=count), 1)
+    contrast, bright = rng.choice((1.0, 1.0, -1.0), count) * rng.uniform(0.3, 1.5, count), rng.uniform(-60, 60, count)
+    contrast[0], bright[0] = 1.0, 0.0
+    other = (image - mean[found]) * contrast[found] + mean[found] + bright[found]
+    return np.clip(np.rint(other), 0, 255).astype(np.uint8)
 
 
 def view(

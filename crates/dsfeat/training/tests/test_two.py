@@ -1,10 +1,11 @@
 """The network with two answers: shapes, what the answers mean, codes of frames, views, a step's determinism, export."""
 
+import cv2
 import numpy as np
 import pytest
 import torch
 
-from dsfeat import streets, train_two, two_export, views
+from dsfeat import mixed, streets, train_two, two_evaluate, two_export, views
 from dsfeat.streets import IGNORED, MOVING, STANDING, STILL, VEHICLE, Frames
 from dsfeat.teachers import tiles
 from dsfeat.two_answers import PIXELS, Logits, TwoAnswers, places, size_for
@@ -163,3 +164,44 @@ def test_an_exported_model_can_be_loaded_again(tmp_path):
     image = torch.rand(1, 1, 64, 96)
     for a, b in zip(network(image).answers(), again(image).answers()):
         assert torch.allclose(a, b, atol=1e-5)
+
+
+def test_repainting_changes_vehicles_only():
+    rng = np.random.default_rng(5)
+    image = rng.integers(60, 200, (40, 90), dtype=np.uint8)
+    codes = np.full(image.shape, STILL, np.uint8)
+    codes[5:20, 5:30], codes[10:30, 50:80] = MOVING, STANDING
+    found = views.repainted(rng, image, codes)
+    assert np.array_equal(found[codes == STILL], image[codes == STILL])
+    for code in (MOVING, STANDING):
+        assert np.abs(found[codes == code].astype(int) - image[codes == code]).mean() > 5
+
+
+def test_traffic_is_every_fourth_frame_of_its_presets_and_the_chosen_seed_only_measures(tmp_path):
+    for name in ("jam_101", "trams_102", "jam_71", "busy_204"):
+        for part, value in (("image_0", 90), ("masks", 1)):
+            (tmp_path / name / part).mkdir(parents=True)
+            for i in range(6):
+                assert cv2.imwrite(str(tmp_path / name / part / f"{i:06}.png"), np.full((188, 620), value, np.uint8))
+    found = {name: streets.traffic(name, tmp_path, 4) for name in ("traffic", "traffic_dev")}
+    assert found["traffic"].drives.tolist() == ["jam_101"] * 2 + ["trams_102"] * 2
+    assert found["traffic_dev"].drives.tolist() == ["jam_71"] * 2 and (found["traffic"].codes == MOVING).all()
+
+
+def test_states_count_what_lies_below_one_half():
+    images = np.zeros((1, 10, 20), np.uint8)
+    codes = np.full(images.shape, STILL, np.uint8)
+    codes[:, :, 10:], codes[:, :2, :10] = MOVING, STANDING
+    activation = np.where(np.arange(20) < 16, 0.9, 0.1) * np.ones((10, 1))
+    predict = (lambda shown: (activation[None], activation[None]), lambda aspect: (10, 20))
+    found = two_evaluate.states(predict, [Frames("x", images, codes, np.array(["a"]), 2.0)])
+    assert found["moving_below_half"] == pytest.approx(0.4) and found["still_below_half"] == found["standing_below_half"] == 0.0
+
+
+def test_a_mixture_lies_between_both_networks():
+    one, two = TwoAnswers().state_dict(), TwoAnswers().state_dict()
+    for share, other in ((0.0, one), (1.0, two)):
+        found = mixed.mixture(one, two, share)
+        assert all(torch.allclose(found[k], other[k]) for k in one)
+    half = mixed.mixture(one, two, 0.5)
+    assert torch.allclose(half["head.weight"], 0.5 * (one["head.weight"] + two["head.weight"]))
