@@ -1,8 +1,8 @@
 //! Vocabulary tree, bag-of-words vectors, guided matching and the place index.
 //!
 //! Start reading at [`Vocabulary`] (descriptors to a [`BowVector`] and a [`DirectIndex`]), then [`PlaceIndex`] (a vector
-//! to the keyframes that look alike), [`Familiarity`] (which of them one has been driving past) and [`match_by_node`] (two direct indices to feature matches). [`train`] makes a
-//! vocabulary, [`tool`] is what the command line calls.
+//! to the keyframes that look alike), [`Familiarity`] (which of them one has been driving past) and [`match_by_node`]
+//! (two direct indices to feature matches). [`train`] makes a vocabulary, [`tool`] is what the command line calls.
 
 mod block;
 mod built_in;

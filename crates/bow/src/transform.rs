@@ -7,8 +7,8 @@ use crate::vocabulary::{Tree, Vocabulary};
 use features::Descriptor;
 use simd::{Task, run_counting};
 
-/// Level of the nodes of direct indices, from the root: 10 nodes for a branching of 10. ORB-SLAM2 has 100; in other light more
-/// features of the same place end under another node of those than costs less to compare.
+/// Level of the nodes of direct indices, from the root: 10 nodes for a branching of 10. ORB-SLAM2 has 100, which takes less time, but
+/// in other light more features of one place end under different nodes (`eval/README.md` has the figures).
 pub const DIRECT_LEVEL: u32 = 1;
 
 /// What the vocabulary says about an image.

@@ -81,8 +81,8 @@ pub struct Contender {
 /// Under [`SelectionRule::Activation`] places below `TRUSTED` get a part of what is kept as large as their part of the sum of all
 /// activations, and more only where there are too few trusted ones: near hedges and parked cars say much about the motion of the
 /// camera, and a network errs; what it is sure of to move gets next to nothing. Under [`SelectionRule::Semantic`] they get
-/// nothing, under [`SelectionRule::Places`] what is left over; under [`SelectionRule::Response`] activations do not count. Both groups are spread over the image of `size`
-/// pixels. Ties go to the lower index.
+/// nothing, under [`SelectionRule::Places`] what is left over; under [`SelectionRule::Response`] activations do not count. Both
+/// groups are spread over the image of `size` pixels. Ties go to the lower index.
 #[must_use]
 pub fn select(
     contenders: &[Contender],

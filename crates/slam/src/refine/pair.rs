@@ -11,7 +11,8 @@ use crate::problem::MapProblem;
 
 /// Index of the offset of all disparities.
 const OFFSET: usize = 4;
-/// How far disparities are usually off, one standard deviation, pixels.
+/// How far disparities are usually off, one standard deviation, pixels. This and `SYSTEMATIC_PX` were chosen on 21 runs of KITTI 03, 06
+/// and drive 1405 (0.1 px each, and 0.03 px without a systematic error, came close); `RARE` is plausible, not tuned.
 const USUAL_PX: f64 = 0.06;
 /// Offsets from here on are rare but all alike, as of a rig that was knocked; in standard deviations of the usual ones.
 const RARE: f64 = 2.5;
