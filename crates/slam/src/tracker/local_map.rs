@@ -90,7 +90,7 @@ impl LocalMap {
     ) -> LocallyTracked {
         let factor = params.camera.local_radius_factor;
         let mut start = predicted.clone();
-        if predicted.attempt != Attempt::Motion {
+        if predicted.is_rough() {
             // A rough pose: a first search in wide windows makes it a good one.
             let factor = factor.max(WIDENING_WITHOUT_MOTION);
             let (_, wide) = self.search_and_refine(frame, map, &start, factor, params);

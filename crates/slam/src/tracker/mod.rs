@@ -117,6 +117,13 @@ pub struct Tracked {
     pub assessment: Assessment,
 }
 
+/// Inliers that suffice shortly after a loss where the pose agrees with the motion before it.
+const RESUMING_INLIERS: usize = 12;
+/// How far it may then be off, as a part of the way since.
+const RESUMING_REACH: f64 = 0.25;
+/// And how far it may have turned otherwise.
+const RESUMING_ANGLE_RAD: f64 = 0.1;
+
 /// The tracker's memory between two frames: the last frame and how the camera moved.
 #[derive(Clone, Debug)]
 pub struct Tracker {
@@ -128,8 +135,12 @@ pub struct Tracker {
     starting: Option<Arc<Frame>>,
     /// Frames in a row that are lost although a map could be started with them.
     lost_frames: u32,
-    /// How the camera moved between the last two frames; `None` after a start or a loss.
+    /// How the camera moved between the last two frames with a pose; `None` after a start or a relocalization.
     velocity: Option<MotionModel>,
+    /// Whether the last frame got no pose.
+    is_lost: bool,
+    /// Until this frame few points suffice if the motion goes on as before: the map knows little of what is ahead.
+    resuming_until: u32,
     /// Index of the frame that last became a keyframe.
     last_keyframe_index: u32,
     /// Judges poses; tracking itself never asks it.
@@ -146,6 +157,8 @@ impl Tracker {
             starting: None,
             lost_frames: 0,
             velocity: None,
+            is_lost: false,
+            resuming_until: 0,
             last_keyframe_index: 0,
             assessor: Assessor::default(),
         }
@@ -210,6 +223,9 @@ impl Tracker {
         probe: &mut dyn Probe,
     ) -> Tracked {
         self.lost_frames = 0;
+        if std::mem::take(&mut self.is_lost) {
+            self.resuming_until = frame.index + self.params.camera.max_keyframe_gap;
+        }
         self.initializer = None;
         if let Some(last) = last.filter(|_| !local.stats.relocalized) {
             let (seconds, camera) = (last.seconds_to(frame), &self.params.camera);
@@ -263,8 +279,10 @@ impl Tracker {
         probe: &mut dyn Probe,
     ) -> Result<LocallyTracked, Lost> {
         let attempts = match (last, self.velocity) {
-            (Some(_), Some(_)) => &[Attempt::Motion, Attempt::ReferenceKeyframe, Attempt::Relocalization][..],
-            (Some(_), None) => &[Attempt::ReferenceKeyframe, Attempt::Motion, Attempt::Relocalization],
+            (Some(_), Some(_)) if !self.is_lost => {
+                &[Attempt::Motion, Attempt::ReferenceKeyframe, Attempt::Relocalization][..]
+            }
+            (Some(_), _) => &[Attempt::ReferenceKeyframe, Attempt::Motion, Attempt::Relocalization],
             (None, _) => &[Attempt::Relocalization],
         };
         let mut reason: Option<Lost> = None;
@@ -295,8 +313,24 @@ impl Tracker {
             let local = LocalMap::gather(map, &predicted.matches, fallback, tracking);
             local.track(frame, map, &predicted, &self.params)
         });
-        let (found, needed) = (local.matches.len(), tracking.min_inliers);
+        let is_resumed = last.is_some_and(|last| self.resumes(frame, map, last, &local.cam_from_world));
+        let needed =
+            if is_resumed { tracking.min_inliers.min(RESUMING_INLIERS) } else { tracking.min_inliers };
+        let found = local.matches.len();
         if found >= needed { Ok(local) } else { Err(Lost::TooFewLocalInliers { found, needed }) }
+    }
+
+    /// Whether the camera was lost lately and is now where it would be had it moved on as before. Without a scale nobody can tell.
+    fn resumes(&self, frame: &Frame, map: &Map, last: &LastFrame, cam_from_world: &SE3) -> bool {
+        let is_metric = !self.params.camera.sensor.is_scale_free();
+        let Some(velocity) = self.velocity.filter(|_| is_metric) else { return false };
+        if !self.is_lost && frame.index >= self.resuming_until {
+            return false;
+        }
+        let motion = velocity.motion_over(last.seconds_to(frame));
+        let off = *cam_from_world * (motion * last.cam_from_world(map)).inverse();
+        off.translation.norm() <= RESUMING_REACH * motion.translation.norm()
+            && off.rotation.angle() <= RESUMING_ANGLE_RAD
     }
 
     /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth, or for the first
@@ -318,6 +352,7 @@ impl Tracker {
         self.last = None;
         self.assessor.forget();
         self.lost_frames = 0;
+        self.is_lost = false;
         self.starting = Some(frame.clone());
         let request = KeyframeRequest {
             frame: frame.clone(),
@@ -335,7 +370,7 @@ impl Tracker {
     /// Keeps the last good frame, so that recovery starts from it; after a lasting loss a new sub-map begins where the
     /// camera was last seen.
     fn lose(&mut self, frame: &Arc<Frame>, map: &Map, last: Option<LastFrame>, lost: Lost) -> Tracked {
-        self.velocity = None;
+        self.is_lost = true;
         self.assessor.forget();
         let tracking = &self.params.tracking;
         let could_start =

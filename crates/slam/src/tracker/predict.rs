@@ -27,6 +27,15 @@ pub(crate) struct Prediction {
     pub(crate) matches: Vec<(u32, PointId)>,
     /// How it was found.
     pub(crate) attempt: Attempt,
+    /// Whether the camera may have gone some way unseen.
+    pub(crate) after_loss: bool,
+}
+
+impl Prediction {
+    /// Whether the pose may be far off, so that the local map is first searched in wide windows.
+    pub(crate) fn is_rough(&self) -> bool {
+        self.after_loss || self.attempt != Attempt::Motion
+    }
 }
 
 /// A way to predict a pose.
@@ -58,14 +67,30 @@ impl Tracker {
         }
     }
 
-    /// Searches the last frame's points where the motion model puts them, in windows that grow until enough agree.
+    /// Searches the last frame's points from where the motion model puts the camera; after a loss also from where it was.
     fn predict_by_motion(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Result<Prediction, Lost> {
+        let rest = last.cam_from_world(map);
+        let Some(velocity) = &self.velocity else { return self.predict_at(&rest, frame, map, last) };
+        let predicted = velocity.motion_over(last.seconds_to(frame)) * rest;
+        let moving = self.predict_at(&predicted, frame, map, last);
+        match moving {
+            Err(lost) if self.is_lost => {
+                self.predict_at(&rest, frame, map, last).map_err(|l| lost.further(l))
+            }
+            moving => moving,
+        }
+    }
+
+    /// Searches the last frame's points around a predicted pose, in windows that grow until enough agree.
+    fn predict_at(
+        &self,
+        predicted: &SE3,
+        frame: &Frame,
+        map: &Map,
+        last: &LastFrame,
+    ) -> Result<Prediction, Lost> {
         let tracking = &self.params.tracking;
         let last_cam_from_world = last.cam_from_world(map);
-        let predicted = match &self.velocity {
-            Some(velocity) => velocity.motion_over(last.seconds_to(frame)) * last_cam_from_world,
-            None => last_cam_from_world,
-        };
         // Without depth there is no measure of what a long way is.
         let far = if self.params.camera.sensor.is_scale_free() {
             f64::INFINITY
@@ -76,8 +101,7 @@ impl Tracker {
         let mut lost = Lost::TooFewMatches { found: 0, needed: tracking.min_motion_matches };
         for widening in WIDENINGS {
             let radius_px = widening * self.params.camera.motion_radius_px;
-            let matches =
-                search_last(frame, last, &last_cam_from_world, &predicted, &sources, radius_px, far);
+            let matches = search_last(frame, last, &last_cam_from_world, predicted, &sources, radius_px, far);
             let (found, needed) = (matches.len(), tracking.min_motion_matches);
             if found < needed {
                 lost = lost.further(Lost::TooFewMatches { found, needed });
@@ -86,7 +110,7 @@ impl Tracker {
             let positions: Vec<(u32, Vec3)> =
                 matches.iter().map(|&(f, source)| (f, sources[source].position)).collect();
             let (cam_from_world, agrees) =
-                refine_with_positions(frame, predicted, &positions, self.params.noise());
+                refine_with_positions(frame, *predicted, &positions, self.params.noise());
             let agreeing = matches.iter().zip(&agrees).filter(|(_, agrees)| **agrees);
             let (found, needed) =
                 (agreeing.clone().count(), tracking.min_predicted_inliers.max(matches.len() / 3));
@@ -96,7 +120,12 @@ impl Tracker {
             }
             let matches =
                 agreeing.filter_map(|(&(f, source), _)| sources[source].id.map(|id| (f, id))).collect();
-            return Ok(Prediction { cam_from_world, matches, attempt: Attempt::Motion });
+            return Ok(Prediction {
+                cam_from_world,
+                matches,
+                attempt: Attempt::Motion,
+                after_loss: self.is_lost,
+            });
         }
         Err(lost)
     }
@@ -104,7 +133,12 @@ impl Tracker {
 
 impl Attempt {
     fn gave(self, pose: RefinedPose) -> Prediction {
-        Prediction { cam_from_world: pose.cam_from_world, matches: pose.inliers, attempt: self }
+        Prediction {
+            cam_from_world: pose.cam_from_world,
+            matches: pose.inliers,
+            attempt: self,
+            after_loss: false,
+        }
     }
 }
 

@@ -62,7 +62,7 @@ fn tracked(shots: &[Shot], off: &SE3, attempt: Attempt, n_given: u32) -> Locally
     let map = scene.map(&[SE3::identity(), at(0.3, 0.0, 0.0)]);
     let frame = scene.frame(2, &truth(), shots);
     let matches: Vec<(u32, PointId)> = (0..n_given).map(|i| (i, PointId(i))).collect();
-    let predicted = Prediction { cam_from_world: *off * truth(), matches, attempt };
+    let predicted = Prediction { cam_from_world: *off * truth(), matches, attempt, after_loss: false };
     gathered(&map, &[0, 1, 2], 80).track(&frame, &map, &predicted, &params())
 }
 
@@ -130,8 +130,12 @@ fn points_seen_head_on_have_narrow_windows() {
     let map = scene.map(&[at(0.5, 0.0, 0.0), at(-0.5, 0.0, 0.0)]);
     let found = |x: f64, shift: f64| {
         let frame = scene.frame(2, &at(x, 0.0, 0.0), &[Shot { shift_px: [0.0, shift], ..shot(0) }]);
-        let start =
-            Prediction { cam_from_world: at(x, 0.0, 0.0), matches: Vec::new(), attempt: Attempt::Motion };
+        let start = Prediction {
+            cam_from_world: at(x, 0.0, 0.0),
+            matches: Vec::new(),
+            attempt: Attempt::Motion,
+            after_loss: false,
+        };
         let local = LocalMap { reference: KeyframeId(0), points: vec![PointId(0)] };
         !local.search_and_refine(&frame, &map, &start, 1.0, &params()).0.matches.is_empty()
     };

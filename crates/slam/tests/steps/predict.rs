@@ -122,3 +122,23 @@ fn twenty_matches_and_a_third_of_them_as_inliers_are_needed() {
     assert!(spoilt(38).is_ok());
     assert!(matches!(spoilt(42), Err(Lost::TooFewPredictedInliers { needed: 20, .. })), "{:?}", spoilt(42));
 }
+
+#[test]
+fn after_a_loss_the_camera_may_have_gone_on_or_stayed() {
+    let scene = Scene::wall(N);
+    let (map, last) = last_frame(&scene, &all(N), N as u32 / 2);
+    let on = at(1.3, 0.1, 0.2);
+    let mut tracker = Tracker::new(params());
+    tracker.velocity = Some(MotionModel::between(&SE3::identity(), &on, 0.1));
+    for (is_lost, pose, is_found) in
+        [(true, on, true), (true, SE3::identity(), true), (false, SE3::identity(), false)]
+    {
+        tracker.is_lost = is_lost;
+        let found = tracker.predict_by_motion(&scene.frame(1, &pose, &all(N)), &map, &last);
+        assert_eq!(found.is_ok(), is_found);
+        if let Ok(found) = found {
+            assert!(gap(&found.cam_from_world, &pose) < 1e-3);
+            assert!(found.is_rough(), "the local map is searched in wide windows");
+        }
+    }
+}

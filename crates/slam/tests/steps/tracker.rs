@@ -73,6 +73,38 @@ fn thirty_points_of_the_local_map_must_agree() {
 }
 
 #[test]
+fn after_a_loss_few_points_suffice_where_the_camera_went_on_as_before() {
+    let (scene, world) = world();
+    let mut tracker = Tracker::new(params());
+    for (index, x) in [(2, 0.0), (3, 0.05), (4, 0.1)] {
+        track(&mut tracker, &some(&scene, index, x, 120), &world);
+    }
+    let fifteen = |index, x| scene.frame(index, &at(x, 0.0, 0.0), &(0..15).map(shot).collect::<Vec<Shot>>());
+    let mut one = tracker.clone();
+    one.params.camera.sensor = geometry::Sensor::Mono;
+    for tracker in [&mut tracker, &mut one] {
+        tracker.params.tracking.min_motion_matches = 10;
+        tracker.params.tracking.min_predicted_inliers = 10;
+        let lost = track(tracker, &fifteen(5, 0.15), &world);
+        assert!(matches!(lost.state, TrackState::Lost(_)), "not before a loss: {:?}", lost.state);
+    }
+    let tried = |x| track(&mut tracker.clone(), &fifteen(8, x), &world).state;
+    assert_eq!(tried(0.3), TrackState::Tracked, "four frames later");
+    assert!(matches!(tried(0.1), TrackState::Lost(_)), "where it was last seen");
+    assert!(
+        matches!(track(&mut one, &fifteen(8, 0.3), &world).state, TrackState::Lost(_)),
+        "without a scale"
+    );
+    // Until the map knows what is ahead.
+    track(&mut tracker, &fifteen(8, 0.3), &world);
+    let end = tracker.resuming_until;
+    assert_eq!(end, 8 + tracker.params.camera.max_keyframe_gap);
+    let state = |index, x| track(&mut tracker.clone(), &fifteen(index, x), &world).state;
+    assert_eq!(state(9, 0.35), TrackState::Tracked);
+    assert!(matches!(state(end, 0.3 + 0.05 * f64::from(end - 8)), TrackState::Lost(_)));
+}
+
+#[test]
 fn after_a_lasting_loss_a_new_sub_map_begins() {
     let (scene, world) = world();
     // Elsewhere: nothing looks like the map.
