@@ -44,7 +44,7 @@ fn two_stages(problem: &BundleProblem) -> f64 {
         chi_sq.next().is_some_and(|&c| c <= limit)
     });
     let second =
-        BundleOptions { max_iterations: 10, robust: false, relative_tolerance: 0.0, ..Default::default() };
+        BundleOptions { max_iterations: 10, huber: None, relative_tolerance: 0.0, ..Default::default() };
     refine_bundle(&rest, &second).report.final_cost
 }
 

@@ -24,7 +24,7 @@ fn wide_and_baseline_instructions_give_equal_bits() {
     let mut problem = displaced(&street(&options), 10, 0.03, 0.003, 0.1);
     problem.fixed[0] = true;
     for robust in [false, true] {
-        let options = BundleOptions { robust, ..Default::default() };
+        let options = BundleOptions { huber: robust.then_some(0.5), ..Default::default() };
         let bundle = |simd| refine_bundle_with(&problem, &options, simd);
         assert_eq!(bundle(Simd::detect()), bundle(Simd::scalar()));
     }

@@ -28,7 +28,7 @@ fn ladybug_reaches_the_cost_of_an_independent_solver() {
         return;
     };
     let options =
-        BundleOptions { max_iterations: 1000, robust: false, relative_tolerance: 1e-9, ..Default::default() };
+        BundleOptions { max_iterations: 1000, huber: None, relative_tolerance: 1e-9, ..Default::default() };
     let minimum = minimize(&BalModel, parse(&text), &options);
     assert_eq!(minimum.stop, StopReason::Converged);
     assert!((minimum.initial_cost / SCIPY_INITIAL_COST - 1.0).abs() < 1e-9, "{}", minimum.initial_cost);

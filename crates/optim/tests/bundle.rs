@@ -13,7 +13,12 @@ const STREET: StreetOptions =
     StreetOptions { seed: 1, cameras: 12, points: 600, max_track: 6, noise_px: 0.5, mono_share: 0.2 };
 
 fn to_convergence(robust: bool) -> BundleOptions {
-    BundleOptions { max_iterations: 100, robust, relative_tolerance: 1e-13, ..Default::default() }
+    BundleOptions {
+        max_iterations: 100,
+        huber: robust.then_some(1.0),
+        relative_tolerance: 1e-13,
+        ..Default::default()
+    }
 }
 
 /// A street with two fixed cameras, so that scale is held even where no right measurement does.
@@ -134,7 +139,8 @@ fn the_report_tells_what_the_definitions_give() {
     problem.observations[17].pixel.y -= 40.0;
     let BundleProblem { rig, observations, .. } = &problem;
     for robust in [false, true] {
-        let solution = refine_bundle(&problem, &BundleOptions { robust, ..Default::default() });
+        let solution =
+            refine_bundle(&problem, &BundleOptions { huber: robust.then_some(1.0), ..Default::default() });
         let before = cost(rig, &problem.cameras, &problem.points, observations, robust);
         let after = cost(rig, &solution.cameras, &solution.points, observations, robust);
         assert!((solution.report.initial_cost / before - 1.0).abs() < 1e-12);

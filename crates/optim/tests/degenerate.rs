@@ -123,7 +123,7 @@ fn an_observation_given_twice_counts_twice() {
     weighted.fixed[0] = true;
     doubled.observations.extend_from_within(..);
     weighted.observations.iter_mut().for_each(|o| o.inv_sigma_sq *= 2.0);
-    let options = BundleOptions { robust: false, ..Default::default() };
+    let options = BundleOptions { huber: None, ..Default::default() };
     let (a, b) = (refine_bundle(&doubled, &options), refine_bundle(&weighted, &options));
     assert!((a.report.final_cost / b.report.final_cost - 1.0).abs() < 1e-12);
     for (a, b) in a.cameras.iter().zip(&b.cameras) {

@@ -13,7 +13,7 @@ const SCIPY_FINAL_COST: f64 = 6.965196349294e3;
 #[test]
 fn the_cost_equals_that_of_an_independent_solver() {
     let options =
-        BundleOptions { max_iterations: 100, robust: false, relative_tolerance: 1e-10, ..Default::default() };
+        BundleOptions { max_iterations: 100, huber: None, relative_tolerance: 1e-10, ..Default::default() };
     let report = refine_bundle(&common::reference_problem(), &options).report;
     assert!((report.initial_cost / GTSAM_INITIAL_COST - 1.0).abs() < 1e-9, "{report:?}");
     assert!((report.final_cost / GTSAM_FINAL_COST - 1.0).abs() < 1e-9, "{report:?}");

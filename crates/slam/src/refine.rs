@@ -163,7 +163,7 @@ fn solve(
     sigma: CalibrationVector,
 ) -> Option<CalibrationSolution> {
     let problem = CalibrationProblem { bundle: whole.problem.clone(), expected, sigma };
-    let options = BundleOptions { max_iterations: ITERATIONS, robust: true, ..BundleOptions::default() };
+    let options = BundleOptions { max_iterations: ITERATIONS, huber: Some(1.0), ..BundleOptions::default() };
     refine_calibration(&problem, &options)
 }
 

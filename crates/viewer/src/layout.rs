@@ -74,11 +74,13 @@ pub(crate) enum Views {
 
 /// The views: space and the times of stages on the left; images, counts and texts on the right.
 pub(crate) fn layout(views: Views) -> Blueprint {
-    let space = Spatial3DView::new("map and trajectory").with_origin(WORLD).with_contents([
-        "+ $origin/**".to_owned(),
-        format!("- {FEATURE_ACTIVATION}"),
-        format!("- {ACTIVATION}"),
-    ]);
+    let space = Spatial3DView::new("map and trajectory: points from violet (move) to yellow (stand)")
+        .with_origin(WORLD)
+        .with_contents([
+            "+ $origin/**".to_owned(),
+            format!("- {FEATURE_ACTIVATION}"),
+            format!("- {ACTIVATION}"),
+        ]);
     let left = Vertical::new([ContainerLike::from(space), times().into()]).with_row_shares([3.0, 1.0]);
     let mut side: Vec<ContainerLike> = Vec::new();
     if views >= Views::WithImage {

@@ -63,7 +63,7 @@ pub fn refine_calibration(
 ) -> Option<CalibrationSolution> {
     let bundle = &problem.bundle;
     let edges: Vec<Edge<RigObservation>> = bundle.observations.iter().map(edge).collect();
-    let loss = if options.robust { Loss::Huber } else { Loss::Squared };
+    let loss = if options.huber.is_some() { Loss::Huber } else { Loss::Squared };
     let (structure, matrix) = Structure::new::<6>(&bundle.fixed, bundle.points.len(), &edges);
     let mut system = System::new(structure, matrix, Simd::detect());
     let mut model = CalibratedRig::new(problem);

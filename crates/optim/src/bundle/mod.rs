@@ -54,8 +54,8 @@ pub struct BundleProblem {
 pub struct BundleOptions {
     /// Limit on linear systems solved.
     pub max_iterations: usize,
-    /// Huber's loss with delta^2 = [`crate::CHI2_MONO`] or [`crate::CHI2_STEREO`]; else plain squares.
-    pub robust: bool,
+    /// Huber's loss with delta^2 = this part of [`crate::CHI2_MONO`] or [`crate::CHI2_STEREO`]; `None`: plain squares.
+    pub huber: Option<f64>,
     /// Stop once a step changes the cost by less than this part of it.
     pub relative_tolerance: f64,
     /// Levenberg-Marquardt damping of the first step, relative to the diagonal of the normal equations.
@@ -64,7 +64,7 @@ pub struct BundleOptions {
 
 impl Default for BundleOptions {
     fn default() -> Self {
-        Self { max_iterations: 10, robust: true, relative_tolerance: 1e-6, initial_damping: 1e-4 }
+        Self { max_iterations: 10, huber: Some(1.0), relative_tolerance: 1e-6, initial_damping: 1e-4 }
     }
 }
 
@@ -102,7 +102,7 @@ pub(crate) fn refine_bundle_with(
     options: &BundleOptions,
     simd: Simd,
 ) -> BundleSolution {
-    let model = RigModel::new(&problem.rig);
+    let model = RigModel::new(&problem.rig).with_huber(options.huber.unwrap_or(1.0));
     let edges = problem.observations.iter().map(edge);
     let graph = Graph {
         cameras: problem.cameras.iter().map(|&pose| RigCamera::new(pose)).collect(),

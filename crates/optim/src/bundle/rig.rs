@@ -102,6 +102,8 @@ pub struct RigModel {
     cx: f64,
     cy: f64,
     bf: f64,
+    /// delta^2 of Huber's loss as a part of the 95 % limit.
+    huber: f64,
 }
 
 /// Camera-frame point, inverse depth and residuals in pixels (predicted - measured).
@@ -116,7 +118,13 @@ impl RigModel {
     /// The model of a rig.
     pub fn new(rig: &StereoRig) -> Self {
         let c = &rig.camera;
-        Self { fx: c.fx, fy: c.fy, cx: c.cx, cy: c.cy, bf: rig.bf() }
+        Self { fx: c.fx, fy: c.fy, cx: c.cx, cy: c.cy, bf: rig.bf(), huber: 1.0 }
+    }
+
+    /// The model with another delta^2 of Huber's loss, as a part of the 95 % limit.
+    #[must_use]
+    pub fn with_huber(self, huber: f64) -> Self {
+        Self { huber, ..self }
     }
 
     #[inline(always)]
@@ -154,7 +162,7 @@ impl ObservationModel<6> for RigModel {
 
     #[inline(always)]
     fn delta_sq(&self, observation: &RigObservation) -> f64 {
-        observation.chi_sq_limit()
+        self.huber * observation.chi_sq_limit()
     }
 
     #[inline(always)]
@@ -166,7 +174,7 @@ impl ObservationModel<6> for RigModel {
         loss: Loss,
     ) -> Option<Linearization<6>> {
         let Residual { p, inv_z, r, chi_sq } = self.residual(camera, point, o)?;
-        let robust = loss.weight(chi_sq, o.chi_sq_limit());
+        let robust = loss.weight(chi_sq, self.delta_sq(o));
         let (w, w_right) = (robust * o.inv_sigma_sq, robust * o.right_inv_sigma_sq);
 
         // Rows of J: (a, 0, b), (0, c, d), (a, 0, e).

@@ -86,7 +86,7 @@ where
     assert_eq!(n_cameras, graph.fixed.len(), "one `fixed` flag per camera");
     let is_known = |e: &Edge<_>| (e.camera as usize) < n_cameras && (e.point as usize) < n_points;
     assert!(graph.edges.iter().all(is_known), "an observation names a camera or point that does not exist");
-    let loss = if options.robust { Loss::Huber } else { Loss::Squared };
+    let loss = if options.huber.is_some() { Loss::Huber } else { Loss::Squared };
     let (structure, matrix) = Structure::new::<C>(&graph.fixed, graph.points.len(), &graph.edges);
     let mut system = System::new(structure, matrix, simd);
     let mut current = Estimate { cameras: graph.cameras, points: graph.points };

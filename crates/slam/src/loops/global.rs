@@ -31,8 +31,11 @@ fn solve(map: &Map, params: &Params) -> Option<GlobalSolution> {
     if problem.observations.is_empty() || problem.fixed.iter().all(|&fixed| fixed) {
         return None;
     }
-    let options =
-        BundleOptions { max_iterations: params.loops.global_iterations, robust: true, ..Default::default() };
+    let options = BundleOptions {
+        max_iterations: params.loops.global_iterations,
+        huber: Some(params.camera.huber),
+        ..Default::default()
+    };
     let solution = refine_bundle(&problem, &options);
     let moved = keyframes.iter().zip(&solution.cameras).zip(&problem.fixed).filter(|(_, fixed)| !**fixed);
     Some(GlobalSolution {

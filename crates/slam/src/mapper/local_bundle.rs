@@ -15,10 +15,10 @@ impl Mapper {
             return MappingReport::default();
         }
         let Some(local) = self.local_problem(keyframe) else { return MappingReport::default() };
-        let mapping = &self.params.mapping;
+        let (mapping, huber) = (&self.params.mapping, self.params.camera.huber);
         let robust = BundleOptions {
             max_iterations: mapping.local_ba_first_iterations,
-            robust: true,
+            huber: Some(huber),
             ..Default::default()
         };
         let first = refine_bundle(&local.problem, &robust);
@@ -30,12 +30,12 @@ impl Mapper {
             points: first.points.clone(),
             observations: agreeing.map(|(observation, _)| *observation).collect(),
         };
-        let plain = BundleOptions {
+        let last = BundleOptions {
             max_iterations: mapping.local_ba_second_iterations,
-            robust: false,
+            huber: (huber < 1.0).then_some(huber),
             ..Default::default()
         };
-        let second = refine_bundle(&inliers, &plain);
+        let second = refine_bundle(&inliers, &last);
         self.write_back(&local, &second)
     }
 

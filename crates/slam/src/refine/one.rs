@@ -15,13 +15,15 @@ const DEPENDENCE: f64 = 5.0;
 /// Fewer observations do not tell.
 const MIN_OBSERVATIONS: usize = 1000;
 
-/// Looks for errors of a calibration, where `before` was found already; `None` if nothing clearly more than noise is found.
+/// Looks for errors of a calibration, where `before` was found already; `None` if nothing was, and nothing clearly
+/// more than noise is now.
 pub(super) fn look(whole: &MapProblem, before: &CalibrationVector) -> Option<Found> {
     if whole.problem.observations.len() < MIN_OBSERVATIONS {
         return None;
     }
     let solution = solve(whole, before.map(|error| -error), PRIOR)?;
-    if solution.evidence < EVIDENCE {
+    // A calibration that was wrong before is not trusted again: what more is found refines it.
+    if before.iter().all(|error| *error == 0.0) && solution.evidence < EVIDENCE {
         return None;
     }
     let sum = |i| if PRIOR[i] > HELD { before[i] + solution.errors[i] } else { before[i] };

@@ -228,7 +228,7 @@ fn adjust_pair(
         points: points.iter().map(|p| p.2).collect(),
         observations: observations.collect(),
     };
-    let options = BundleOptions { max_iterations: ITERATIONS, robust: true, ..Default::default() };
+    let options = BundleOptions { max_iterations: ITERATIONS, huber: Some(1.0), ..Default::default() };
     let solution = refine_bundle(&problem, &options);
     let moved = points.iter().zip(&solution.points).map(|(&(i, j, _), &position)| (i, j, position));
     // The observations come in pairs, as the points do.

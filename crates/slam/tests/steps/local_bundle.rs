@@ -117,3 +117,22 @@ fn a_single_keyframe_is_left_alone() {
     let (_, map) = world(1);
     assert_eq!(mapper(map, &params()).adjust(KeyframeId(0)), MappingReport::default());
 }
+
+#[test]
+fn a_narrow_loss_lets_errors_within_the_gate_pull_less() {
+    let scene = Scene::wall(40);
+    let error = |huber| {
+        let mut map = scene.map(&[pose(0), pose(1), pose(2)]);
+        let mut shots: Vec<Shot> = (0..40).map(shot).collect();
+        shots.iter_mut().step_by(5).for_each(|shot| shot.shift_px = [0.0, 2.0]);
+        let all: Vec<(u32, u32)> = (0..40).map(|i| (i, i)).collect();
+        add(&mut map, scene.frame(3, &pose(3), &shots), &pose(3), &all, &[]);
+        let mut with_loss = params();
+        with_loss.camera.huber = huber;
+        let mut mapper = mapper(map, &with_loss);
+        assert_eq!(mapper.adjust(KeyframeId(3)).outliers, 0, "all within the gate");
+        gap(&mapper.world.map.keyframe(KeyframeId(3)).unwrap().cam_from_world, &pose(3))
+    };
+    let (wide, narrow) = (error(1.0), error(0.01));
+    assert!(narrow < 0.6 * wide, "{narrow} against {wide}");
+}
