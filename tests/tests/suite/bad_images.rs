@@ -11,7 +11,7 @@ use crate::sequence::Copy;
 const N: usize = 8;
 
 /// A gray PNG of one brightness.
-fn flat_png(width: u32, height: u32, brightness: u8) -> Vec<u8> {
+pub(crate) fn flat_png(width: u32, height: u32, brightness: u8) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     let image = GrayImage::from_pixel(width, height, image::Luma([brightness]));
     image.write_to(&mut bytes, ImageFormat::Png).unwrap();

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::bad_images::flat_png;
 use crate::program::{dsslam, needs_onnxruntime, summary, text};
 use crate::root;
 
@@ -76,6 +77,32 @@ fn plain(sequence: &Path, args: &[&str]) -> serde_json::Value {
     let all = ["run", text(sequence), "--set", "features.selection=response", "--out", text(folder.path())];
     dsslam(&[&all[..], args].concat()).expect_success();
     summary(folder.path())
+}
+
+/// Situation: the camera is covered for a second while the car moves on by 13 m.
+#[cfg(unix)]
+#[test]
+fn a_covered_camera_finds_its_map_again_further_on() {
+    let Some(clear) = real("kitti06_first51") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["calib.txt", "times.txt", "poses.txt"] {
+        std::os::unix::fs::symlink(clear.join(name), folder.path().join(name)).unwrap();
+    }
+    for camera in ["image_0", "image_1"] {
+        fs::create_dir(folder.path().join(camera)).unwrap();
+        for i in 0..51 {
+            let name = format!("{camera}/{i:06}.png");
+            if (15..26).contains(&i) {
+                fs::write(folder.path().join(name), flat_png(1226, 370, 3)).unwrap();
+            } else {
+                std::os::unix::fs::symlink(clear.join(&name), folder.path().join(name)).unwrap();
+            }
+        }
+    }
+    let s = plain(folder.path(), &[]);
+    assert_eq!((&s["tracked"], &s["lost"], &s["submaps"]), (&40.into(), &11.into(), &1.into()), "{s:#}");
+    let ate = s["ate_rmse_m"].as_f64().unwrap();
+    assert!(ate < 0.15, "{ate} m");
 }
 
 /// Situation: the same drive as KITTI raw has it: dates, ten digits, `P_rect_00` in the folder of the date.
