@@ -5,7 +5,9 @@
 //! right column, row; px), the feature's information (1/px²), the point and the step that the camera has made since the last frame
 //! (m, in coordinates of the camera).
 //!
-//! `cargo run --release -p dsslam-tests --example belief -- SEQUENCE [KEY=VALUE]... > points.csv`
+//! With `all` before the settings features are kept by response, so that the map holds what moves too; the network still gives its word.
+//!
+//! `cargo run --release -p dsslam-tests --example belief -- SEQUENCE [all] [KEY=VALUE]... > points.csv`
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for people")]
 
 use std::collections::BTreeMap;
@@ -13,6 +15,7 @@ use std::error::Error;
 use std::path::Path;
 
 use dsslam::{Config, Event, Observer, Session};
+use features::SelectionRule;
 use geometry::Vec3;
 use map::PointId;
 
@@ -70,12 +73,20 @@ impl Observer for Table {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [sequence, overrides @ ..] = &arguments[..] else {
-        return Err("usage: belief SEQUENCE [KEY=VALUE]...".into());
+    let [sequence, rest @ ..] = &arguments[..] else {
+        return Err("usage: belief SEQUENCE [all] [KEY=VALUE]...".into());
+    };
+    let (keep_all, overrides) = match rest {
+        [word, overrides @ ..] if word == "all" => (true, overrides),
+        _ => (false, rest),
     };
     let chosen = Config::for_sequence(Path::new(sequence), overrides)?;
     chosen.notices.iter().for_each(|notice| eprintln!("{notice}"));
     println!("frame,x,y,word,belief,sights,judged,point,inlier,du,dr,dv,information,X,Y,Z,stepX,stepY,stepZ");
-    Session::open(sequence, &chosen.config)?.run(&mut Table::default())?;
+    let mut session = Session::open(sequence, &chosen.config)?;
+    if let Some(selection) = session.setup_mut().selection.as_mut().filter(|_| keep_all) {
+        selection.config.rule = SelectionRule::Response;
+    }
+    session.run(&mut Table::default())?;
     Ok(())
 }

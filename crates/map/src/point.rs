@@ -64,12 +64,18 @@ pub struct MapPoint {
 impl MapPoint {
     /// Probability that it stands still, of all that is known.
     pub fn trust(&self) -> f64 {
-        1.0 / (1.0 + (-f64::from(self.belief) / 1000.0).exp())
+        self.trust_after([])
+    }
+
+    /// As [`MapPoint::trust`], with evidence added that it has not been told of, in order, thousandths of log-odds.
+    pub fn trust_after(&self, evidence: impl IntoIterator<Item = i32>) -> f64 {
+        let belief = evidence.into_iter().fold(self.belief, believing);
+        1.0 / (1.0 + (-f64::from(belief) / 1000.0).exp())
     }
 
     /// Adds evidence, thousandths of log-odds.
     pub(crate) fn believe(&mut self, evidence: i32) {
-        self.belief = self.belief.saturating_add(evidence).clamp(-MAX_BELIEF, MAX_BELIEF);
+        self.belief = believing(self.belief, evidence);
     }
 
     /// Every observation, in order of the keyframe ids; at most one per keyframe.
@@ -87,4 +93,9 @@ impl MapPoint {
         let at = self.observations.binary_search_by_key(&keyframe, |o| o.keyframe).ok()?;
         Some(self.observations[at].feature)
     }
+}
+
+/// A belief with evidence added.
+fn believing(belief: i32, evidence: i32) -> i32 {
+    belief.saturating_add(evidence).clamp(-MAX_BELIEF, MAX_BELIEF)
 }

@@ -185,7 +185,7 @@ pub struct FrameDetails {
     pub assessment: Assessment,
     /// All matches of features with map points, sorted by feature.
     pub matched: Vec<(u32, PointId)>,
-    /// Probability, of all that was known before this frame, that the point of each of them stands still.
+    /// Probability, of all that is known with this frame, that the point of each of them stands still.
     pub trust: Vec<f32>,
     /// Those of them that agree with the pose.
     pub inliers: Vec<(u32, PointId)>,
@@ -210,7 +210,6 @@ impl FrameDetails {
         let map = &view.world.map;
         let pose = tracked.pose.map(|pose| pose.on_living(map));
         let cam_from_world = pose.and_then(|pose| pose.cam_from_world(map)).unwrap_or(SE3::identity());
-        let trust = |&(_, id): &(u32, PointId)| map.point(id).map_or(1.0, |point| point.trust() as f32);
         FrameDetails {
             info,
             status,
@@ -221,7 +220,7 @@ impl FrameDetails {
             scale: pose.map_or(1.0, |pose| map.scale_of(pose.keyframe)),
             world_from_cam: cam_from_world.normalized().inverse(),
             assessment: tracked.assessment.clone(),
-            trust: tracked.matched.iter().map(trust).collect(),
+            trust: std::mem::take(&mut tracked.trust),
             matched: std::mem::take(&mut tracked.matched),
             inliers: std::mem::take(&mut tracked.inliers),
             stats: tracked.stats,

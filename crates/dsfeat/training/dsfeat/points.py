@@ -1,14 +1,15 @@
-"""Judges what the map believes of tracked points (table of the example `belief`), on `kittiraw_0005` or a rendered town.
+"""Judges what the program believes of tracked points (table of the example `belief`), on `kittiraw_0005` or a rendered town.
 
-    cargo run --release -p dsslam-tests --example belief -- SEQUENCE features.selection=activation features.keep=2000 > points.csv
+    cargo run --release -p dsslam-tests --example belief -- SEQUENCE all features.selection=activation features.keep=2000 > points.csv
     python -m dsfeat.points --table points.csv [--masks SEQUENCE/masks]
 
 AUC of standing against moving and of static against moving points, by the network's word on the feature alone, by the belief in the
-point before the frame, and by the weight that RANSAC makes of both, for points that the map has judged by at least 0, 1, 2, 5 and 10 frames.
+point with this frame, and by the weight that RANSAC makes of both, for points seen in at least 1, 2, 3, 5 and 10 frames. With `all` features are
+kept by response: selection by activation leaves next to no moving points to judge.
 
-A point is what its pixel's label says where that label lies all about (outlines are a few pixels off) and most earlier sights of the point
-agree: a point of the wall that is matched once with a corner of a car is not a moving point. On `kittiraw_0005`, where every fourth frame has
-labels, the boxes of what moves tell for the other frames.
+A point of a rendered town is what its pixel's label says where that label lies all about. One of `kittiraw_0005` is what the 3-D box
+says in which the frame's own disparity puts the feature. Most earlier sights of the point must agree: a point of the wall that is matched
+once with a corner of a car is not a moving point.
 """
 
 import argparse
@@ -27,6 +28,10 @@ ABOUT = 3
 AGREED = 0.8
 #: What moves in `kittiraw_0005`: tracks of its boxes whose pixels the motion labels call moving.
 MOVERS = (0, 1, 2, 4, 12)
+#: A feature within this many meters of a box's side, and so many pixels of disparity, may belong to either side.
+EDGE, DISPARITY_ERROR = 0.3, 0.5
+#: Rows are judged whose point has been matched in at least so many frames, this one included.
+SIGHTINGS = (1, 2, 3, 5, 10)
 #: Labels of the masks of rendered towns.
 MASKS = np.array([LABEL_STATIC, LABEL_MOVING, LABEL_STANDING, LABEL_STATIC], np.uint8)
 
@@ -43,16 +48,37 @@ def labels_of(table: np.ndarray, maps: dict[int, np.ndarray], scale: float) -> n
     return found
 
 
-def on_boxes(table: np.ndarray, path: Path) -> np.ndarray:
-    """Whether each row's pixel lies in a box of what moves (1, 0)."""
-    found = np.zeros(len(table))
+def in_boxes(table: np.ndarray, path: Path, camera: tuple[float, float, float, float]) -> np.ndarray:
+    """The label of each row by the 3-D boxes of `kittiraw_0005`: where the frame's own disparity puts the feature, which does not ask
+    whether its point stands. 0 near a box's side, without disparity, and in the image regions that nobody has boxes for.
+
+    `camera`: focal length and middle column and row, px, base line, m. The boxes are in meters, of the left camera: x, y of the
+    floor's middle, z; turned by an angle about the vertical axis.
+    """
+    focal, middle_x, middle_y, base = camera
+    depth = focal * base / np.maximum(focal * base / table["Z"] + table["du"] - table["dr"], 1.0)
+    place = np.stack([(table["x"] - middle_x) / focal * depth, (table["y"] - middle_y) / focal * depth, depth])
+    found = np.where(np.isnan(depth), 0, LABEL_STATIC).astype(np.uint8)
+    unsure = EDGE + DISPARITY_ERROR * np.nan_to_num(depth) ** 2 / (focal * base)
     for row in path.read_text().splitlines():
         words = row.split()
-        if int(words[1]) in MOVERS:
-            left, top, right, bottom = map(float, words[6:10])
-            here = (table["frame"] == int(words[0])) & (table["x"] > left) & (table["x"] < right)
-            found[here & (table["y"] > top) & (table["y"] < bottom)] = 1.0
+        here = table["frame"] == int(words[0])
+        left, top, right, bottom, high, wide, long, *middle, turn = map(float, words[6:17])
+        if words[2] == "DontCare":
+            found[here & (table["x"] > left) & (table["x"] < right) & (table["y"] > top) & (table["y"] < bottom)] = 0
+            continue
+        x, y, z = place - np.array(middle)[:, None]
+        along, across = np.cos(turn) * x - np.sin(turn) * z, np.sin(turn) * x + np.cos(turn) * z
+        off = np.maximum(np.maximum(np.abs(along) - long / 2, np.abs(across) - wide / 2), np.maximum(y + unsure, -high - y))
+        found[here & (off < 2 * unsure)] = 0
+        found[here & (off < 0)] = LABEL_MOVING if int(words[1]) in MOVERS else LABEL_STANDING
     return found
+
+
+def camera_of(path: Path) -> tuple[float, float, float, float]:
+    """Focal length, middle column and row, px, and base line, m, of a KITTI `calib.txt`."""
+    left, right = (np.array(row.split()[1:], float).reshape(3, 4) for row in path.read_text().splitlines() if row[:3] in ("P0:", "P1:"))
+    return left[0, 0], left[0, 2], left[1, 2], -right[0, 3] / right[0, 0]
 
 
 def agreeing(table: np.ndarray, labels: np.ndarray, on_mover: np.ndarray) -> np.ndarray:
@@ -84,20 +110,20 @@ def main() -> None:
     table = np.genfromtxt(args.table, delimiter=",", names=True)
     if args.masks:
         labels = labels_of(table, {int(p.stem): MASKS[read_classes(p)] for p in sorted(args.masks.glob("*.png"))}, 1.0)
-        on_mover = np.where(labels == 0, np.nan, labels == LABEL_MOVING)
     else:
-        need(parser, args, "training", "sequences")
-        folder = args.training / "motion" / "dev" / "kittiraw_0005" / "label"
-        labels = labels_of(table, {int(p.stem.split("_")[1]): read_classes(p) for p in sorted(folder.glob("*.webp"))}, 2.0)
-        on_mover = on_boxes(table, args.sequences / "kittiraw_0005" / "label_02_tracking0000.txt")
+        need(parser, args, "sequences")
+        folder = args.sequences / "kittiraw_0005"
+        labels = in_boxes(table, folder / "label_02_tracking0000.txt", camera_of(folder / "calib.txt"))
+    on_mover = np.where(labels == 0, np.nan, labels == LABEL_MOVING)
     labels = agreeing(table, labels, on_mover)
     # Log-odds are told apart where probabilities near 1 are not.
     odds = np.log(np.clip(table["belief"], 1e-4, 1 - 1e-4) / np.clip(1 - table["belief"], 1e-4, 1 - 1e-4))
     values = {"word": table["word"], "belief": (odds + 10) / 20, "weight": table["word"] * np.minimum(2 * table["belief"], 1)}
-    for least in (0, 1, 2, 5, 10):
-        chosen = (table["judged"] >= least) & (labels > 0)
+    for least in SIGHTINGS:
+        chosen = (table["sights"] + 1 >= least) & (labels > 0)
         counts = [int((labels[chosen] == c).sum()) for c in (LABEL_STATIC, LABEL_STANDING, LABEL_MOVING)]
-        print(f"judged by {least} frames: static, standing, moving {counts}")
+        points = len(np.unique(table["point"][chosen & (labels == LABEL_MOVING)]))
+        print(f"after {least} sightings or more: static, standing, moving {counts}, moving ones of {points} points")
         for name, value in values.items():
             standing, static = (auc(value[chosen], labels[chosen], c) for c in (LABEL_STANDING, LABEL_STATIC))
             print(f"  {name:6}: standing/moving {standing:.3f}, static/moving {static:.3f}")

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import torch
 
-from dsfeat import mixed, streets, train_two, two_evaluate, two_export, views
+from dsfeat import mixed, points, streets, train_two, two_evaluate, two_export, views
 from dsfeat.streets import IGNORED, MOVING, STANDING, STILL, VEHICLE, Frames
 from dsfeat.teachers import tiles
 from dsfeat.two_answers import PIXELS, Logits, TwoAnswers, places, size_for
@@ -205,3 +205,23 @@ def test_a_mixture_lies_between_both_networks():
         assert all(torch.allclose(found[k], other[k]) for k in one)
     half = mixed.mixture(one, two, 0.5)
     assert torch.allclose(half["head.weight"], 0.5 * (one["head.weight"] + two["head.weight"]))
+
+
+def test_boxes_tell_what_a_tracked_point_is(tmp_path):
+    focal, base, depth = 700.0, 0.5, 10.0
+    camera = (focal, 600.0, 180.0, base)
+    path = tmp_path / "boxes.txt"
+    box = "{} {} Car 0 0 0 500 100 700 300 1.5 1.6 4.0 0.0 1.6 10.0 0.0\n"
+    path.write_text(box.format(3, points.MOVERS[0]) + box.format(4, 99) + "5 -1 DontCare -1 -1 -10 500 100 700 300 -1000 -1000 -1000 -10 -1 -1 -1\n")
+    row = [("frame", int), ("x", float), ("y", float), ("Z", float), ("du", float), ("dr", float)]
+
+    def label(frame, x, y=200.0, z=depth, du=0.0, dr=0.0):
+        return int(points.in_boxes(np.array([(frame, x, y, z, du, dr)], dtype=row), path, camera)[0])
+
+    assert label(3, 600) == streets.LABEL_MOVING and label(4, 600) == streets.LABEL_STANDING
+    assert label(3, 600 + focal * 2.1 / depth) == 0, "beside the side of the box"
+    assert label(3, 900) == label(3, 600, z=40.0) == label(6, 600) == streets.LABEL_STATIC
+    assert label(5, 600) == 0, "nobody has boxes here"
+    # The frame's own disparity places the feature, not the map's point, which may have been left behind.
+    assert label(3, 600, z=14.0, du=focal * base / depth - focal * base / 14.0) == streets.LABEL_MOVING
+    assert label(3, 600, dr=np.nan) == 0

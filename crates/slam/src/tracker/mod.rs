@@ -2,6 +2,7 @@
 
 mod align;
 mod assessor;
+mod beliefs;
 mod evidence;
 mod initializer;
 mod keyframe_policy;
@@ -25,6 +26,7 @@ use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::world::World;
 use assessor::Assessor;
+use beliefs::Beliefs;
 use evidence::{Yardstick, add_evidence};
 use initializer::Initializer;
 pub use initializer::{InitialPair, NoPair};
@@ -109,6 +111,8 @@ pub struct Tracked {
     pub stats: TrackStats,
     /// All matches of features with map points, sorted by feature.
     pub matched: Vec<(u32, PointId)>,
+    /// Probability, of all that is known with this frame, that the point of each of them stands still.
+    pub trust: Vec<f32>,
     /// Those of them that agree with the pose.
     pub inliers: Vec<(u32, PointId)>,
     /// How far features were moved to where their points look the same, `(feature, dx, dy)` in pixels.
@@ -145,6 +149,8 @@ pub struct Tracker {
     last_keyframe_index: u32,
     /// Judges poses; tracking itself never asks it.
     assessor: Assessor,
+    /// What it knows of its points beyond the map.
+    beliefs: Beliefs,
 }
 
 impl Tracker {
@@ -161,6 +167,7 @@ impl Tracker {
             resuming_until: 0,
             last_keyframe_index: 0,
             assessor: Assessor::default(),
+            beliefs: Beliefs::default(),
         }
     }
 
@@ -234,6 +241,8 @@ impl Tracker {
                 Yardstick::new(&local.cam_from_world, &last.cam_from_world(map), seconds, is_metric);
             add_evidence(&mut local, frame, map, yardstick, camera.feature_sigma_px);
         }
+        self.beliefs.add(map, &local.counts);
+        let trust = local.matched.iter().map(|&(_, id)| self.beliefs.trust(map, id)).collect();
         self.velocity = last.filter(|_| !local.stats.relocalized).map(|last| {
             let seconds = last.seconds_to(frame);
             MotionModel::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
@@ -263,6 +272,7 @@ impl Tracker {
             keyframe,
             stats: local.stats,
             matched: local.matched,
+            trust,
             inliers: local.matches,
             shifts: local.shifts,
             assessment,
@@ -398,6 +408,7 @@ fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
         keyframe: None,
         stats: TrackStats::default(),
         matched: Vec::new(),
+        trust: Vec::new(),
         inliers: Vec::new(),
         shifts: Vec::new(),
         assessment: Assessment::default(),

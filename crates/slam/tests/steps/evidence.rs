@@ -52,6 +52,17 @@ fn a_point_that_is_where_it_would_stand_does_so_and_one_that_is_not_moves() {
 }
 
 #[test]
+fn a_shift_of_both_views_says_less_than_one_of_one_against_the_other() {
+    let of = |shift_px: [f64; 2], right_px: f64| {
+        evidence(NEAR, Some(Shot { shift_px, right_px, ..shot(0) }), NO_WORD, yardstick())
+    };
+    let (common, apart) = (of([3.0, 0.0], 0.0), of([0.0, 0.0], 3.0));
+    assert!(common > 0 && apart < 0, "{common} {apart}");
+    assert_eq!(common, of([-3.0, 0.0], 0.0));
+    assert!(of([1.5, 0.0], -3.0) < 0, "one column to the right and the other to the left");
+}
+
+#[test]
 fn agreement_says_nothing_where_no_motion_could_be_seen() {
     let far = Vec3::new(200.0, 100.0, 20_000.0);
     assert!(evidence(far, shifted(0.0), NO_WORD, yardstick()).abs() < 5);
