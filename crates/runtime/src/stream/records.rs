@@ -9,7 +9,6 @@ use events::{
 use features::{Frame, Keypoint};
 use geometry::{SE3, Vec2, Vec3};
 use io::Preview;
-use slam::Assessment;
 
 use crate::events::FrameAnswer;
 use crate::events::FrameDetails;
@@ -32,7 +31,10 @@ pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
             scale: details.scale,
             world_from_cam: Pose::from(&details.world_from_cam),
         }),
-        trust: details.status.has_pose().then(|| trust(&details.assessment)),
+        trust: details
+            .status
+            .has_pose()
+            .then(|| Trust::new(details.assessment.quality, details.assessment.covariance.as_ref())),
         counts: Counts {
             features: count(frame.len()),
             with_depth: count(frame.n_with_depth()),
@@ -44,11 +46,6 @@ pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
         },
         stages: stage_times(&details.stages),
     }
-}
-
-fn trust(assessment: &Assessment) -> Trust {
-    let sigma = assessment.covariance.map(|c| [c.sigma_m().max() as f32, c.sigma_deg().max() as f32]);
-    Trust { quality: assessment.quality as f32, sigma }
 }
 
 /// A frame whose images could not be used.
