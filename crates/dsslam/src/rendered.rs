@@ -56,8 +56,8 @@ pub(crate) fn image_size(world: &World) -> ImageSize {
 pub(crate) fn sequence(world: &World, len: usize, sensor: Sensor) -> Result<Sequence, DatasetError> {
     let name = world.preset().name();
     if sensor == Sensor::Rgbd {
-        let reason = "rendered frames have a left and a right image, and no depth".to_owned();
-        return Err(DatasetError::SensorUnavailable { path: name.into(), sensor, reason });
+        let reason = "rendered frames have a left and a right image, and no depth";
+        return Err(DatasetError::unavailable(name.as_ref(), sensor, reason));
     }
     let pose =
         |i: usize| StampedPose { timestamp_s: world.timestamp_s(i), world_from_cam: world.world_from_cam(i) };

@@ -65,6 +65,18 @@ pub(super) fn named(name: &str) -> Option<Lens> {
     })
 }
 
+/// The kind of lens that a field names, if it is there.
+///
+/// # Errors
+/// [`DatasetError`] for an unknown name.
+pub(super) fn in_field(name: &Field<'_>) -> Result<Option<Lens>, DatasetError> {
+    if !name.is_there() {
+        return Ok(None);
+    }
+    let word = name.text(MODELS)?;
+    named(word).map(Some).ok_or_else(|| name.error(shown(word), MODELS))
+}
+
 /// The camera of a lens that is called by `name` and has these coefficients.
 ///
 /// # Errors
