@@ -101,9 +101,9 @@ impl Slam {
         let info = FrameInfo { index, timestamp_s: io::seconds(t_ns) };
         self.stamps.push(t_ns);
         match &mut self.engine {
-            Engine::Here(line) => Ok(line.step_masked(info, frame, mask, &mut Silent)?),
+            Engine::Here(line) => Ok(line.step(info, frame, mask, &mut Silent)?),
             Engine::Threads(threads) => {
-                threads.push_masked(info, frame, mask)?;
+                threads.push(info, frame, mask)?;
                 Ok(threads.answer().ok_or(RunEnded)?)
             }
         }
