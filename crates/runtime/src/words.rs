@@ -207,7 +207,10 @@ mod tests {
 
     fn frame(index: u32, status: FrameStatus) -> Event {
         let info = FrameInfo { index, timestamp_s: 0.0 };
-        Event::Frame(Box::new(FrameAnswer { track_ms: 2.0, ..FrameAnswer::without_pose(info, status, (7, 9)) }))
+        Event::Frame(Box::new(FrameAnswer {
+            track_ms: 2.0,
+            ..FrameAnswer::without_pose(info, status, (7, 9))
+        }))
     }
 
     #[test]
