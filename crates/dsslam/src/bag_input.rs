@@ -261,10 +261,7 @@ impl FrameFeed for BagFeed {
     }
 
     fn info(&self, i: usize) -> FrameInfo {
-        FrameInfo {
-            index: u32::try_from(i).unwrap_or(u32::MAX),
-            timestamp_s: io::seconds(self.frames[i].left.t_ns),
-        }
+        FrameInfo::new(i, io::seconds(self.frames[i].left.t_ns))
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {

@@ -32,7 +32,7 @@ impl FrameFeed for RenderedFeed {
     }
 
     fn info(&self, i: usize) -> FrameInfo {
-        FrameInfo { index: i as u32, timestamp_s: self.world.timestamp_s(i) }
+        FrameInfo::new(i, self.world.timestamp_s(i))
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {
