@@ -48,7 +48,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         root.path.display()
     )];
     let camera = FileCamera { model, size, body_from_cam: SE3::identity() };
-    Ok(CameraFile { notes, ..CameraFile::new(root, "nerfstudio transforms.json", vec![camera]) })
+    Ok(CameraFile { notes, ..CameraFile::new(root.path, "nerfstudio transforms.json", vec![camera]) })
 }
 
 pub(super) fn is_replica(root: &Field<'_>) -> bool {
@@ -61,7 +61,7 @@ pub(super) fn read_replica(root: &Field<'_>) -> Result<CameraFile, DatasetError>
     let file = flat(&camera, ["fx", "fy", "cx", "cy"], ["w", "h"])?;
     Ok(CameraFile {
         depth_units_per_metre: part::depth_units(&camera.at("scale"))?,
-        ..CameraFile::new(root, "Replica cam_params.json", vec![file])
+        ..CameraFile::new(root.path, "Replica cam_params.json", vec![file])
     })
 }
 
@@ -81,7 +81,7 @@ pub(super) fn read_flat(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         ]))?
         // RealSense states meters per unit.
         .map(|units| if units < 1.0 { 1.0 / units } else { units }),
-        ..CameraFile::new(root, "intrinsics", vec![camera])
+        ..CameraFile::new(root.path, "intrinsics", vec![camera])
     })
 }
 

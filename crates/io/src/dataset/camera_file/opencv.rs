@@ -57,7 +57,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
     }
     Ok(CameraFile {
         right_fields: ("image_size", "T"),
-        ..CameraFile::new(root, "OpenCV FileStorage", cameras)
+        ..CameraFile::new(root.path, "OpenCV FileStorage", cameras)
     })
 }
 

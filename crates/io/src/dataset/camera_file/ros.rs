@@ -21,7 +21,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
     let camera = camera(root)?;
     let file = |cameras| CameraFile {
         right_fields: ("image_width", "projection_matrix"),
-        ..CameraFile::new(root, "ROS camera_info", cameras)
+        ..CameraFile::new(root.path, "ROS camera_info", cameras)
     };
     let Some(beside) = right_beside(root) else { return Ok(file(vec![camera])) };
     let text = TextFile::read(&beside, super::EXPECTED)?;

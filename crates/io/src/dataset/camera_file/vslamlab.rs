@@ -19,7 +19,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         frame_rate_hz: part::rate(&items[0].at("fps"))?,
         depth_units_per_metre: depth.map(|field| part::depth_units(&field)).transpose()?.flatten(),
         right_fields: ("cameras[1].image_dimension", "cameras[1].T_BS"),
-        ..CameraFile::new(root, "VSLAM-LAB calibration.yaml", cameras)
+        ..CameraFile::new(root.path, "VSLAM-LAB calibration.yaml", cameras)
     })
 }
 
