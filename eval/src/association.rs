@@ -3,8 +3,6 @@
 use std::fmt;
 
 use anyhow::{Result, ensure};
-use geometry::SE3;
-use io::Trajectory;
 
 /// Tolerance of timestamps that the field uses (TUM, EuRoC), seconds.
 pub const TIMESTAMP_TOLERANCE_S: f64 = 0.01;
@@ -33,52 +31,12 @@ impl fmt::Display for Association {
     }
 }
 
-/// Matched poses `world_from_cam`, in order of time.
-#[derive(Clone, Debug)]
-pub struct Pairs {
-    /// Poses of the estimate.
-    pub est: Vec<SE3>,
-    /// Poses of the ground truth, one for each of the estimate's.
-    pub gt: Vec<SE3>,
-    /// Index of each pair in the estimate's file.
-    pub est_indices: Vec<usize>,
-    /// Index of each pair in the ground truth's file.
-    pub gt_indices: Vec<usize>,
-    /// Timestamp of the estimate's pose, seconds (or frame number).
-    pub timestamps_s: Vec<f64>,
-    /// Poses in the estimate before matching.
-    pub n_est: usize,
-    /// Poses in the ground truth before matching.
-    pub n_gt: usize,
-    /// How they were matched.
-    pub association: Association,
-}
-
-/// Matches two trajectories.
+/// Indices (estimate, ground truth) of the poses that belong together, by their increasing stamps, in order.
 ///
 /// # Errors
 /// By index: different lengths. By timestamp: no pair within the tolerance (both time ranges are in the message).
 /// Either way: an empty trajectory.
-pub fn associate(est: &Trajectory, gt: &Trajectory, association: Association) -> Result<Pairs> {
-    let stamps = |t: &Trajectory| t.poses.iter().map(|pose| pose.timestamp_s).collect::<Vec<f64>>();
-    let pairs = match_stamps(&stamps(est), &stamps(gt), association)?;
-    Ok(Pairs {
-        est: pairs.iter().map(|&(e, _)| est.poses[e].world_from_cam).collect(),
-        gt: pairs.iter().map(|&(_, g)| gt.poses[g].world_from_cam).collect(),
-        est_indices: pairs.iter().map(|&(e, _)| e).collect(),
-        gt_indices: pairs.iter().map(|&(_, g)| g).collect(),
-        timestamps_s: pairs.iter().map(|&(e, _)| est.poses[e].timestamp_s).collect(),
-        n_est: est.poses.len(),
-        n_gt: gt.poses.len(),
-        association,
-    })
-}
-
-/// Indices (estimate, ground truth) of the poses that belong together, by their increasing stamps, in order.
-///
-/// # Errors
-/// As [`associate`].
-pub(crate) fn match_stamps(est: &[f64], gt: &[f64], association: Association) -> Result<Vec<(usize, usize)>> {
+pub fn match_stamps(est: &[f64], gt: &[f64], association: Association) -> Result<Vec<(usize, usize)>> {
     ensure!(!est.is_empty(), "the estimate is empty");
     ensure!(!gt.is_empty(), "the ground truth is empty");
     match association {

@@ -11,19 +11,8 @@ use crate::statistics::Statistics;
 pub struct AteReport {
     /// Distances, meters; their root mean square is what papers call ATE.
     pub error_m: Statistics,
-    /// What was aligned first.
-    pub alignment: Alignment,
     /// The alignment found: ground-truth world from estimate's world.
     pub gt_from_est: Sim3,
-    /// Error of each pose in order, meters.
-    pub errors: Vec<f64>,
-}
-
-impl AteReport {
-    /// The poses `est` in the ground truth's world frame.
-    pub fn aligned(&self, est: &[SE3]) -> Vec<SE3> {
-        apply_alignment(&self.gt_from_est, est)
-    }
 }
 
 /// Absolute trajectory error of matched poses `world_from_cam`.
@@ -36,5 +25,5 @@ pub fn ate(est: &[SE3], gt: &[SE3], alignment: Alignment) -> Result<AteReport> {
     let errors: Vec<f64> =
         aligned.iter().zip(gt).map(|(e, g)| (e.translation - g.translation).norm()).collect();
     let error_m = Statistics::of(&errors).ok_or_else(|| anyhow!("no poses to compare"))?;
-    Ok(AteReport { error_m, alignment, gt_from_est, errors })
+    Ok(AteReport { error_m, gt_from_est })
 }

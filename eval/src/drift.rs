@@ -105,36 +105,6 @@ impl Drift {
     }
 }
 
-/// Drift of several sequences: the benchmark pools their segments, papers often take the mean of the sequences.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DriftOfSequences {
-    /// Mean over all segments of all sequences, percent.
-    pub pooled_t_rel_percent: Option<f64>,
-    /// Mean over all segments of all sequences, degrees per 100 m.
-    pub pooled_r_rel_deg_per_100m: Option<f64>,
-    /// Mean of the sequences' figures, percent.
-    pub mean_t_rel_percent: Option<f64>,
-    /// Mean of the sequences' figures, degrees per 100 m.
-    pub mean_r_rel_deg_per_100m: Option<f64>,
-    /// Sequences with at least one segment.
-    pub n_sequences: usize,
-}
-
-/// Pooled and mean drift of `sequences`.
-pub fn pool_drift(sequences: &[&Drift]) -> DriftOfSequences {
-    let all: Vec<Segment> = sequences.iter().flat_map(|d| d.segments.iter().copied()).collect();
-    let pooled = Drift::from_segments(all, 0);
-    let t: Vec<f64> = sequences.iter().filter_map(|d| d.t_rel_percent).collect();
-    let r: Vec<f64> = sequences.iter().filter_map(|d| d.r_rel_deg_per_100m).collect();
-    DriftOfSequences {
-        pooled_t_rel_percent: pooled.t_rel_percent,
-        pooled_r_rel_deg_per_100m: pooled.r_rel_deg_per_100m,
-        mean_t_rel_percent: Statistics::of(&t).map(|s| s.mean),
-        mean_r_rel_deg_per_100m: Statistics::of(&r).map(|s| s.mean),
-        n_sequences: t.len(),
-    }
-}
-
 /// Drift of a complete estimate: one pose `world_from_cam` per frame of the ground truth, lost frames filled
 /// ([`crate::fill_lost`]). `lengths_m`: [`KITTI_LENGTHS_M`], or shorter ones for short sequences.
 ///
@@ -275,18 +245,6 @@ mod tests {
         let bins = drift.per_speed(&times);
         // 100 m in 101 frames of 0.1 s: 35.6 km/h.
         assert_eq!(bins.iter().map(|b| (b.at, b.n)).collect::<Vec<_>>(), [(35.0, drift.n_segments)]);
-    }
-
-    #[test]
-    fn pooled_and_mean_differ_when_sequences_do() {
-        let long = kitti_drift(&straight(400, 1.01), &straight(400, 1.0), &[100.0]).unwrap();
-        let short = kitti_drift(&straight(150, 1.04), &straight(150, 1.0), &[100.0]).unwrap();
-        let both = pool_drift(&[&long, &short]);
-        let (a, b) = (long.t_rel_percent.unwrap(), short.t_rel_percent.unwrap());
-        let (n, m) = (long.n_segments as f64, short.n_segments as f64);
-        assert!((both.mean_t_rel_percent.unwrap() - 0.5 * (a + b)).abs() < 1e-12);
-        assert!((both.pooled_t_rel_percent.unwrap() - (a * n + b * m) / (n + m)).abs() < 1e-12);
-        assert_eq!((both.n_sequences, n, m), (2, 30.0, 5.0));
     }
 
     #[test]

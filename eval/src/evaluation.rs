@@ -6,7 +6,7 @@ use io::{Stamps, Trajectory, TrajectoryFile};
 use nalgebra::Matrix3x4;
 use serde::{Deserialize, Serialize};
 
-use crate::alignment::Alignment;
+use crate::alignment::{Alignment, apply_alignment};
 use crate::association::{Association, TIMESTAMP_TOLERANCE_S, match_stamps};
 use crate::ate::ate;
 use crate::coverage::{Coverage, fill_lost};
@@ -211,7 +211,9 @@ impl Evaluation {
         let absolute = ate(&est, &gt, options.alignment)?;
         // A rigid motion does not change drift and RPE (and is left out, so that files count as they are); a scale does.
         let has_scale = options.alignment == Alignment::Sim3;
-        let moved = |poses: &[SE3]| if has_scale { absolute.aligned(poses) } else { poses.to_vec() };
+        let moved = |poses: &[SE3]| {
+            if has_scale { apply_alignment(&absolute.gt_from_est, poses) } else { poses.to_vec() }
+        };
         let complete = moved(&pairs.iter().map(|&(e, _)| filled[e]).collect::<Vec<_>>());
         let drift = match options.lost {
             LostFrames::Fill => kitti_drift(&complete, &matched.gt, &options.lengths_m)?,

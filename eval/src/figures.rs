@@ -1,6 +1,7 @@
 //! The figures of a suite's results, with their file names and captions.
 
 use anyhow::Result;
+use geometry::Vec3;
 
 use crate::baseline::{Baseline, Metric};
 use crate::drift::DriftBin;
@@ -133,33 +134,35 @@ fn precision_recalls(results: &Results) -> Result<Vec<NamedFigure>> {
     Ok(figures)
 }
 
+/// Name, caption and figure of a path seen from above and from the side, and of its error where there is a ground truth.
+pub(crate) fn path_figures(
+    title: &str,
+    estimate: &[Option<Vec3>],
+    ground_truth: &[Vec3],
+) -> Vec<(&'static str, &'static str, Box<dyn Figure>)> {
+    let path = |view| -> Box<dyn Figure> {
+        let (estimate, ground_truth) = (estimate.to_vec(), ground_truth.to_vec());
+        Box::new(TrajectoryFigure { title: title.to_owned(), estimate, ground_truth, view })
+    };
+    let mut figures = vec![("top", "top view", path(View::Top)), ("side", "side view", path(View::Side))];
+    if !ground_truth.is_empty() {
+        let error = Box::new(ErrorFigure::new(title, estimate, ground_truth));
+        figures.push(("error", "error along the path, after alignment", error));
+    }
+    figures
+}
+
 /// Top view, side view and error of one run.
 fn run_figures(results: &Results, run: &RunResult) -> Result<Vec<NamedFigure>> {
     let paths = RunPaths::of(run)?;
     let run_name = format!("{}_{}", run.id.sequence, run.id.configuration);
     let title = format!("{} {}, {}", results.plan.name, run.id.sequence, run.id.configuration);
-    let mut figures = Vec::new();
-    for (what, view) in [("top", View::Top), ("side", View::Side)] {
-        let figure = TrajectoryFigure {
-            title: title.clone(),
-            estimate: paths.estimate.clone(),
-            ground_truth: paths.ground_truth.clone(),
-            view,
-        };
-        figures.push(NamedFigure {
-            name: format!("{run_name}_{what}"),
-            caption: format!("{title}: {what} view"),
-            figure: Box::new(figure),
-        });
-    }
-    if !paths.ground_truth.is_empty() {
-        figures.push(NamedFigure {
-            name: format!("{run_name}_error"),
-            caption: format!("{title}: error along the path, after alignment"),
-            figure: Box::new(ErrorFigure::new(&title, &paths.estimate, &paths.ground_truth)),
-        });
-    }
-    Ok(figures)
+    let named = |(what, caption, figure): (&str, &str, Box<dyn Figure>)| NamedFigure {
+        name: format!("{run_name}_{what}"),
+        caption: format!("{title}: {caption}"),
+        figure,
+    };
+    Ok(path_figures(&title, &paths.estimate, &paths.ground_truth).into_iter().map(named).collect())
 }
 
 #[cfg(test)]

@@ -16,6 +16,10 @@ pub struct FrameRow {
     pub state: String,
     /// Sub-map of its pose.
     pub submap: String,
+    /// Matches that agree with its pose; 0 without one.
+    pub inliers: u32,
+    /// Why it has no pose.
+    pub reason: String,
     /// How far it is to be trusted, 0 to 1; `None` in tables of versions before 0.3.
     pub quality: Option<f64>,
     /// What lowers that.
@@ -27,98 +31,79 @@ pub struct FrameRow {
 /// Reads the table; columns are found by their names.
 ///
 /// # Errors
-/// The file cannot be read, a column is missing, or a cell does not hold what it should; the message names the line.
+/// The file cannot be read, a column is missing, or a cell does not hold what it should; the message names the row.
 pub fn read_frames(path: &Path) -> Result<Vec<FrameRow>> {
-    let text = std::fs::read_to_string(path)
+    let text = io::check_file(path)
+        .and_then(|_| std::fs::read_to_string(path))
         .with_context(|| format!("{}: cannot be read; `dsslam run` writes it", path.display()))?;
-    let mut lines = text.lines().enumerate();
-    let header = lines.next().map(|(_, line)| cells(line)).unwrap_or_default();
-    let columns = Columns::of(&header).with_context(|| path.display().to_string())?;
-    let row = |(i, line): (usize, &str)| {
-        columns.row(&cells(line)).with_context(|| format!("{} line {}", path.display(), i + 1))
+    let mut table = table(&text).into_iter();
+    let header = table.next().unwrap_or_default();
+    for name in ["frame", "timestamp_s", "state", "submap"] {
+        let is_there = header.iter().any(|column| column == name);
+        ensure!(is_there, "{}: no column `{name}` in the first line", path.display());
+    }
+    let row = |(i, cells): (usize, Vec<String>)| {
+        row(&header, &cells).with_context(|| format!("{} line {}", path.display(), i + 2))
     };
-    lines.map(row).collect()
+    table.enumerate().map(row).collect()
 }
 
-/// The cells of a line; quotes around a cell keep its commas and are taken off.
-pub fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut is_quoted = false;
-    let mut characters = line.chars().peekable();
+fn row(header: &[String], cells: &[String]) -> Result<FrameRow> {
+    ensure!(cells.len() == header.len(), "{} cells, expected {}", cells.len(), header.len());
+    let column = |name: &str| Some(cells[header.iter().position(|column| column == name)?].as_str());
+    let text = |name: &str| column(name).unwrap_or_default();
+    let number = |text: &str, what: &str| text.parse::<f64>().with_context(|| format!("{what} `{text}`"));
+    let covariance: Option<Vec<&str>> =
+        PoseCovariance::names().map(|name| column(&format!("cov_{name}"))).collect();
+    Ok(FrameRow {
+        frame: text("frame").parse().with_context(|| format!("frame `{}`", text("frame")))?,
+        timestamp_s: number(text("timestamp_s"), "time")?,
+        state: text("state").to_owned(),
+        submap: text("submap").to_owned(),
+        inliers: text("inliers").parse().unwrap_or(0),
+        reason: text("reason").to_owned(),
+        quality: column("quality").map(|cell| number(cell, "quality")).transpose()?,
+        quality_reasons: text("quality_reasons")
+            .split(';')
+            .filter(|r| !r.is_empty())
+            .map(str::to_owned)
+            .collect(),
+        covariance: match covariance {
+            Some(cells) if cells.iter().any(|cell| !cell.is_empty()) => Some(triangle(&cells)?),
+            _ => None,
+        },
+    })
+}
+
+fn triangle(cells: &[&str]) -> Result<PoseCovariance> {
+    let mut triangle = [0.0; PoseCovariance::N];
+    for (value, cell) in triangle.iter_mut().zip(cells) {
+        *value = cell.parse().with_context(|| format!("covariance `{cell}`"))?;
+    }
+    PoseCovariance::of_triangle(&triangle).context("the covariance is not positive definite")
+}
+
+/// The cells of a CSV text; quotes around a cell keep its commas and its ends of lines and are taken off.
+fn table(text: &str) -> Vec<Vec<String>> {
+    let (mut rows, mut row, mut cell) = (Vec::new(), Vec::new(), String::new());
+    let (mut is_quoted, mut characters) = (false, text.chars().peekable());
     while let Some(character) = characters.next() {
-        match (character, is_quoted, cells.last_mut()) {
-            ('"', true, Some(cell)) if characters.peek() == Some(&'"') => {
-                cell.push('"');
-                characters.next();
+        match character {
+            '"' if is_quoted && characters.peek() == Some(&'"') => cell.extend(characters.next()),
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => row.push(std::mem::take(&mut cell)),
+            '\n' if !is_quoted => {
+                row.push(std::mem::take(&mut cell));
+                rows.push(std::mem::take(&mut row));
             }
-            ('"', ..) => is_quoted = !is_quoted,
-            (',', false, _) => cells.push(String::new()),
-            (other, _, Some(cell)) => cell.push(other),
-            _ => {}
+            other => cell.push(other),
         }
     }
-    cells
-}
-
-/// Where the columns stand.
-struct Columns {
-    n: usize,
-    frame: usize,
-    timestamp_s: usize,
-    state: usize,
-    submap: usize,
-    quality: Option<usize>,
-    quality_reasons: Option<usize>,
-    /// Of the covariance; empty where the table has none.
-    covariance: Vec<usize>,
-}
-
-impl Columns {
-    fn of(header: &[String]) -> Result<Self> {
-        let at = |name: &str| header.iter().position(|column| column == name);
-        let need = |name: &str| at(name).with_context(|| format!("no column `{name}` in the first line"));
-        let covariance: Option<Vec<usize>> =
-            PoseCovariance::names().map(|name| at(&format!("cov_{name}"))).collect();
-        Ok(Columns {
-            n: header.len(),
-            frame: need("frame")?,
-            timestamp_s: need("timestamp_s")?,
-            state: need("state")?,
-            submap: need("submap")?,
-            quality: at("quality"),
-            quality_reasons: at("quality_reasons"),
-            covariance: covariance.unwrap_or_default(),
-        })
+    if !cell.is_empty() || !row.is_empty() {
+        row.push(cell);
+        rows.push(row);
     }
-
-    fn row(&self, cells: &[String]) -> Result<FrameRow> {
-        ensure!(cells.len() == self.n, "{} cells, expected {}", cells.len(), self.n);
-        let number = |at: usize, what: &str| -> Result<f64> {
-            cells[at].parse().with_context(|| format!("{what} `{}`", cells[at]))
-        };
-        let reasons = self.quality_reasons.map_or("", |at| &cells[at]);
-        Ok(FrameRow {
-            frame: cells[self.frame].parse().with_context(|| format!("frame `{}`", cells[self.frame]))?,
-            timestamp_s: number(self.timestamp_s, "time")?,
-            state: cells[self.state].clone(),
-            submap: cells[self.submap].clone(),
-            quality: self.quality.map(|at| number(at, "quality")).transpose()?,
-            quality_reasons: reasons.split(';').filter(|r| !r.is_empty()).map(str::to_owned).collect(),
-            covariance: self.covariance(cells)?,
-        })
-    }
-
-    fn covariance(&self, row: &[String]) -> Result<Option<PoseCovariance>> {
-        let Some(&first) = self.covariance.first() else { return Ok(None) };
-        if row[first].is_empty() {
-            return Ok(None);
-        }
-        let mut triangle = [0.0; PoseCovariance::N];
-        for (value, &at) in triangle.iter_mut().zip(&self.covariance) {
-            *value = row[at].parse().with_context(|| format!("covariance `{}`", row[at]))?;
-        }
-        PoseCovariance::of_triangle(&triangle).context("the covariance is not positive definite").map(Some)
-    }
+    rows
 }
 
 #[cfg(test)]
@@ -167,7 +152,8 @@ mod tests {
     }
 
     #[test]
-    fn cells_keep_commas_and_quotes() {
-        assert_eq!(cells("a,\"b, \"\"c\"\"\",,d"), ["a", "b, \"c\"", "", "d"]);
+    fn cells_may_hold_commas_quotes_and_lines() {
+        let text = "a,b\n1,\"x, \"\"y\"\"\nz\"\n2,\n";
+        assert_eq!(table(text), [vec!["a", "b"], vec!["1", "x, \"y\"\nz"], vec!["2", ""]]);
     }
 }

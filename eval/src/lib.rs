@@ -28,12 +28,10 @@ pub mod suite;
 pub mod table;
 
 pub use alignment::{Alignment, apply_alignment, estimate_alignment, positions};
-pub use association::{Association, Pairs, TIMESTAMP_TOLERANCE_S, associate};
+pub use association::{Association, TIMESTAMP_TOLERANCE_S, match_stamps};
 pub use ate::{AteReport, ate};
 pub use coverage::{Coverage, fill_lost};
-pub use drift::{
-    Drift, DriftBin, DriftOfSequences, KITTI_LENGTHS_M, Segment, kitti_drift, kitti_drift_sparse, pool_drift,
-};
+pub use drift::{Drift, DriftBin, KITTI_LENGTHS_M, Segment, kitti_drift, kitti_drift_sparse};
 pub use evaluation::{Estimate, Evaluation, EvaluationOptions, LostFrames, Matched, Subject};
 pub use loops::{LoopScore, LoopTruth, SamePlace, score_loops};
 pub use places::{Host, OpenNetwork, ReadSettings, Settings};

@@ -6,9 +6,15 @@ use std::path::Path;
 
 use dsslam::{Config, Input, InputOptions};
 
+use bytes::{Bytes, field, record};
+
 use super::files::in_folder;
 use super::said;
 use super::seeds::written;
+
+/// What the tests of bags write with.
+#[path = "../../crates/bag/tests/suite/bytes.rs"]
+mod bytes;
 
 /// Names by the first byte of an input.
 const NAMES: [&str; 3] = ["drive.bag", "drive.db3", "drive.mcap"];
@@ -33,78 +39,23 @@ pub(super) fn bags(bytes: &[u8]) -> String {
     })
 }
 
-/// Bytes of a message, in ROS 1's form or in CDR.
-struct Bytes {
-    all: Vec<u8>,
-    is_cdr: bool,
-}
-
-impl Bytes {
-    /// A message that begins with a header.
-    fn with_header(is_cdr: bool) -> Self {
-        let mut of = Self { all: if is_cdr { vec![0, 1, 0, 0] } else { Vec::new() }, is_cdr };
-        of.header();
-        of
-    }
-
-    fn header(&mut self) {
-        if !self.is_cdr {
-            self.u32(7);
-        }
-        self.u32(1);
-        self.u32(500);
-        self.text("frame");
-    }
-
-    fn put(&mut self, bytes: &[u8]) {
-        if self.is_cdr {
-            let at = self.all.len() - 4;
-            self.all.resize(at.next_multiple_of(bytes.len()) + 4, 0);
-        }
-        self.all.extend(bytes);
-    }
-
-    fn u32(&mut self, value: usize) {
-        self.put(&(value as u32).to_le_bytes());
-    }
-
-    fn numbers(&mut self, values: &[f64]) {
-        values.iter().for_each(|value| self.put(&value.to_le_bytes()));
-    }
-
-    fn text(&mut self, text: &str) {
-        self.u32(text.len() + usize::from(self.is_cdr));
-        self.all.extend(text.as_bytes());
-        self.all.extend(std::iter::repeat_n(0, usize::from(self.is_cdr)));
-    }
-
-    fn bytes(&mut self, bytes: &[u8]) {
-        self.u32(bytes.len());
-        self.all.extend(bytes);
-    }
-}
-
 /// An image of 4 x 4 pixels.
 fn image(is_cdr: bool, encoding: &str, bytes_per_pixel: usize) -> Vec<u8> {
-    let mut of = Bytes::with_header(is_cdr);
-    of.u32(4);
-    of.u32(4);
-    of.text(encoding);
-    of.all.push(0);
-    of.u32(4 * bytes_per_pixel);
-    of.bytes(&(0..16 * bytes_per_pixel).map(|i| (i * 7) as u8).collect::<Vec<_>>());
+    let mut of = Bytes::with_header(is_cdr, 1_000_000_500);
+    let data: Vec<u8> = (0..16 * bytes_per_pixel).map(|i| (i * 7) as u8).collect();
+    of.image((4, 4), encoding, &data);
     of.all
 }
 
 fn compressed(is_cdr: bool, jpeg: &[u8]) -> Vec<u8> {
-    let mut of = Bytes::with_header(is_cdr);
+    let mut of = Bytes::with_header(is_cdr, 1_000_000_500);
     of.text("mono8; jpeg compressed mono8");
     of.bytes(jpeg);
     of.all
 }
 
 fn camera_info(is_cdr: bool) -> Vec<u8> {
-    let mut of = Bytes::with_header(is_cdr);
+    let mut of = Bytes::with_header(is_cdr, 1_000_000_500);
     of.u32(4);
     of.u32(4);
     of.text("plumb_bob");
@@ -117,7 +68,7 @@ fn camera_info(is_cdr: bool) -> Vec<u8> {
 }
 
 fn pose(is_cdr: bool) -> Vec<u8> {
-    let mut of = Bytes::with_header(is_cdr);
+    let mut of = Bytes::with_header(is_cdr, 1_000_000_500);
     of.numbers(&[1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0]);
     of.all
 }
@@ -161,17 +112,6 @@ pub(super) fn seeds() -> Vec<Vec<u8>> {
         all.push([&[2], &mcap(&messages)[..]].concat());
     }
     all
-}
-
-/// A field of a record's head.
-fn field(name: &str, value: &[u8]) -> Vec<u8> {
-    let length = (name.len() + 1 + value.len()) as u32;
-    [&length.to_le_bytes()[..], name.as_bytes(), b"=", value].concat()
-}
-
-fn record(head: &[Vec<u8>], data: &[u8]) -> Vec<u8> {
-    let head = head.concat();
-    [&(head.len() as u32).to_le_bytes()[..], &head, &(data.len() as u32).to_le_bytes()[..], data].concat()
 }
 
 /// One chunk, not packed, without an index.

@@ -37,7 +37,7 @@ impl Observer for Table {
         let step = cam_from_world.rotation * (center - self.last.unwrap_or(center));
         self.last = Some(center);
         for (pair, trust) in details.matched.iter().zip(&details.trust) {
-            let (index, i) = (details.info.index, pair.0 as usize);
+            let (index, i) = (details.answer.index, pair.0 as usize);
             let Some(point) = map.point(pair.1) else { continue };
             let at = cam_from_world * point.position;
             let (pixel, seen) = (frame.pixel(i), frame.rig.stereo.project(&at));

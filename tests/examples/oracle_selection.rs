@@ -13,13 +13,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use dsslam::Config;
-use eval::{Alignment, Association};
-use features::{ActivationError, ActivationMap, ActivationSource, Rig};
+use dsslam::{Config, Input, InputOptions, NetworkOptions};
+use eval::{Estimate, Evaluation, EvaluationOptions};
+use features::{ActivationError, ActivationMap, ActivationSource};
 use geometry::{GrayImage, Raster};
-use io::{Sequence, StampedPose, Trajectory};
+use io::{Sequence, Trajectory};
 use runtime::{RunOutcome, Selection, SequenceFeed, Setup, Silent};
-use slam::{CameraParams, Params};
 
 /// Pixels of an image per value of its activation map, in both directions.
 const CELL: usize = 8;
@@ -47,12 +46,12 @@ fn main() -> Result<(), Failure> {
         [("exact masks", masks), ("ones", Arc::new(Ones)), ("activation", network)];
     let mut errors = Vec::new();
     for (name, source) in sources {
-        let setup = setup(&sequence, given, Some(source))?;
+        let setup = setup(Path::new(path), given, Some(source))?;
         errors.push(report(name, &run(&feed, &setup)?, &truth)?);
     }
     for keep in ["500", "2000"] {
         let response = ["features.selection=response".to_owned(), format!("features.keep={keep}")];
-        let setup = setup(&sequence, &[given, &response].concat(), None)?;
+        let setup = setup(Path::new(path), &[given, &response].concat(), None)?;
         report(&format!("response {keep}"), &run(&feed, &setup)?, &truth)?;
     }
     let [oracle, ones, activation] = errors[..] else { return Ok(()) };
@@ -63,35 +62,16 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// The setup of the configuration with these settings above it.
-fn setup(
-    sequence: &Sequence,
-    given: &[String],
-    source: Option<Arc<dyn ActivationSource>>,
-) -> Result<Setup, Failure> {
+/// The setup of the configuration with these settings above it, as the program has it, but for what gives the activation.
+fn setup(path: &Path, given: &[String], source: Option<Arc<dyn ActivationSource>>) -> Result<Setup, Failure> {
     let config = Config::load(Some(Path::new("kitti")), &[&[COMMON.to_owned()], given].concat())?;
-    let calibration = sequence.calibration.clone().ok_or("the sequence has no calibration")?;
-    let image = io::load_gray(&sequence.frames[0].left)?;
-    let (width, height) = (image.width, image.height);
-    let rig = Rig { stereo: calibration.rig, distortion: calibration.distortion, width, height };
-    let close_depth_m = config.stereo.close_depth_baselines * calibration.rig.baseline_m;
-    let params = Params {
-        tracking: config.tracking.clone(),
-        mapping: config.mapping.clone(),
-        loops: config.loops.clone(),
-        weights: config.weights,
-        seed: config.seed,
-        ..Params::of(CameraParams::new(runtime::Sensor::Stereo, close_depth_m, config.camera.fps))
-    };
+    let mut options = InputOptions::default();
+    options.sensor = Some(io::Sensor::Stereo);
+    let mut setup = Input::open(path, &config, &options)?.setup(&NetworkOptions::default())?;
     let choice = config.features.choice();
-    Ok(Setup {
-        extractor: config.features.with_sensor(runtime::Sensor::Stereo),
-        stereo: config.stereo.clone(),
-        lags: config.runtime,
-        selection: source.zip(choice).map(|(source, config)| Selection { config, source, identity: 1 }),
-        vocabulary: Some(Arc::new(bow::Vocabulary::built_in()?)),
-        ..Setup::new(runtime::Sensor::Stereo, Arc::new(rig), params)
-    })
+    setup.selection = source.zip(choice).map(|(source, config)| Selection { config, source, identity: 1 });
+    setup.vocabulary = Some(dsslam::vocabulary(None)?);
+    Ok(setup)
 }
 
 fn run(feed: &SequenceFeed, setup: &Setup) -> Result<RunOutcome, Failure> {
@@ -100,17 +80,13 @@ fn run(feed: &SequenceFeed, setup: &Setup) -> Result<RunOutcome, Failure> {
 
 /// Prints the figures of a run and returns its ATE, meters.
 fn report(name: &str, outcome: &RunOutcome, truth: &Trajectory) -> Result<f64, Failure> {
-    let stamped = |record: &runtime::FrameRecord| {
-        let world_from_cam = record.world_from_cam?;
-        Some(StampedPose { timestamp_s: record.timestamp_s, world_from_cam })
-    };
-    let poses: Vec<StampedPose> = outcome.frames.iter().filter_map(stamped).collect();
-    let estimate = Trajectory { poses };
-    let pairs = eval::associate(&estimate, truth, Association::Timestamp { tolerance_s: 0.001 })?;
-    let ate = eval::ate(&pairs.est, &pairs.gt, Alignment::Se3)?.error_m.rmse;
+    let estimate =
+        Estimate::new(outcome.frames.iter().map(|frame| (frame.timestamp_s, frame.world_from_cam)));
+    let evaluation = Evaluation::of(&estimate, truth, &EvaluationOptions::default())?;
+    let ate = evaluation.ate_m.rmse;
     println!(
         "{name:<14} ATE {ate:.4} m, {} of {} frames lost, loops {}",
-        outcome.frames.len() - estimate.poses.len(),
+        evaluation.coverage.n_lost,
         outcome.frames.len(),
         outcome.loops.len()
     );

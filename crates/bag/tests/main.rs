@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod suite {
+    mod bytes;
     mod damaged;
     mod kinds;
     mod out;

@@ -3,21 +3,15 @@
 use crate::exit::EXIT_CODES;
 
 /// Below `dsslam --help`.
-pub(crate) fn top() -> String {
-    with_codes(
-        "\
+pub(crate) const TOP: &str = "\
 Examples:
   dsslam demo                  # renders a town and drives through it; needs no data
   dsslam run path/to/sequence  # KITTI, TUM RGB-D and EuRoC folders
   dsslam help run              # all options of a run
-  dsslam doctor                # what is missing on this machine",
-    )
-}
+  dsslam doctor                # what is missing on this machine";
 
 /// Below `dsslam run --help`.
-pub(crate) fn run() -> String {
-    with_codes(
-        "\
+pub(crate) const RUN: &str = "\
 Examples:
   dsslam run kitti/sequences/06
   dsslam run kitti/sequences/06 --set features.keep=500 --max-frames 200
@@ -44,100 +38,64 @@ Layouts:
   `dsslam config calib FILE` prints what is read of it.
 
 Results: trajectory.kitti.txt, trajectory.tum.txt, ground_truth.tum.txt, trajectory.png, frames.csv,
-loops.csv, config.yaml, timings.csv, summary.json (docs/results.md explains them); results/latest points to the newest run.",
-    )
-}
+loops.csv, config.yaml, timings.csv, summary.json (docs/results.md explains them); results/latest points to the newest run.";
 
 /// Below `dsslam demo --help`.
-pub(crate) fn demo() -> String {
-    with_codes(
-        "\
+pub(crate) const DEMO: &str = "\
 Examples:
   dsslam demo
-  dsslam demo --frames 60 --out /tmp/demo",
-    )
-}
+  dsslam demo --frames 60 --out /tmp/demo";
 
 /// Below `dsslam view --help`.
-pub(crate) fn view() -> String {
-    with_codes(
-        "\
+pub(crate) const VIEW: &str = "\
 Examples:
   dsslam view  # the newest run
   dsslam view results/latest --save run.rrd
-  dsslam view results/latest --map campus.dsmap",
-    )
-}
+  dsslam view results/latest --map campus.dsmap";
 
 /// Below `dsslam synth --help`.
-pub(crate) fn synth() -> String {
-    with_codes(
-        "\
+pub(crate) const SYNTH: &str = "\
 Examples:
   dsslam synth /tmp/town --preset town --frames 60
   dsslam run /tmp/town
   dsslam synth /tmp/raw --layout euroc --lens fisheye --frames 100
-  dsslam synth /tmp/twice --rounds 2 --relight",
-    )
-}
+  dsslam synth /tmp/twice --rounds 2 --relight";
 
 /// Below `dsslam inspect activation --help`.
-pub(crate) fn activation() -> String {
-    with_codes(
-        "\
+pub(crate) const ACTIVATION: &str = "\
 Examples:
   dsslam inspect activation image_0/000000.png -o heat.png
-  dsslam inspect activation image.jpg -o heat.png --keep 1000 --set features.selection=semantic",
-    )
-}
+  dsslam inspect activation image.jpg -o heat.png --keep 1000 --set features.selection=semantic";
 
 /// Below `dsslam eval --help`.
-pub(crate) fn eval() -> String {
-    with_codes(
-        "\
+pub(crate) const EVAL: &str = "\
 Examples:
   dsslam eval traj results/latest/trajectory.kitti.txt kitti/poses/06.txt
-  dsslam help eval run",
-    )
-}
+  dsslam help eval run";
 
 /// Below `dsslam config --help`.
-pub(crate) fn config() -> String {
-    with_codes(
-        "\
+pub(crate) const CONFIG: &str = "\
 Examples:
   dsslam config default > my.yaml
   dsslam config default --expert
   dsslam config check my.yaml
   dsslam config check my.yaml --sequence kitti/sequences/06 --changed
-  dsslam config calib camera.yaml > calibration.yaml",
-    )
-}
+  dsslam config calib camera.yaml > calibration.yaml";
 
 /// Below `dsslam inspect vocab --help`.
-pub(crate) fn vocab() -> String {
-    with_codes(
-        "\
+pub(crate) const VOCAB: &str = "\
 Examples:
   dsslam inspect vocab info  # the built-in vocabulary
   dsslam inspect vocab train images/ more/*.png -o my.dbow
-  dsslam inspect vocab convert ORBvoc.txt orbvoc.dbow",
-    )
-}
+  dsslam inspect vocab convert ORBvoc.txt orbvoc.dbow";
 
 /// Below `dsslam inspect bag --help`.
-pub(crate) fn bag() -> String {
-    with_codes(
-        "\
+pub(crate) const BAG: &str = "\
 Examples:
-  dsslam inspect bag drive.bag",
-    )
-}
+  dsslam inspect bag drive.bag";
 
 /// Below `dsslam export --help`.
-pub(crate) fn export() -> String {
-    with_codes(
-        "\
+pub(crate) const EXPORT: &str = "\
 Examples:
   dsslam run kitti/sequences/06 --save-map street.dsmap
   dsslam export street.dsmap --to ply -o street.ply
@@ -146,91 +104,57 @@ Examples:
   dsslam run MH_01_easy --save-map hall.dsmap
   dsslam export hall.dsmap --to euroc -o body.csv  # poses of the body, as the ground truth's
   dsslam run kitti/sequences/06 --out street --save-map street.dsmap
-  dsslam export street --map street.dsmap --to mcap -o street.mcap",
-    )
-}
+  dsslam export street --map street.dsmap --to mcap -o street.mcap";
 
 /// Below `dsslam inspect --help`.
-pub(crate) fn inspect() -> String {
-    with_codes(
-        "\
+pub(crate) const INSPECT: &str = "\
 Examples:
   dsslam inspect features kitti/sequences/06 -o features.png
-  dsslam help inspect match",
-    )
-}
+  dsslam help inspect match";
 
 /// Below `dsslam shell --help`.
-pub(crate) fn shell() -> String {
-    with_codes(
-        "\
+pub(crate) const SHELL: &str = "\
 Examples:
   dsslam shell completions bash > dsslam.bash
-  dsslam shell man > dsslam.1",
-    )
-}
+  dsslam shell man > dsslam.1";
 
 /// Below `dsslam inspect features --help`.
-pub(crate) fn features() -> String {
-    with_codes(
-        "\
+pub(crate) const FEATURES: &str = "\
 Examples:
   dsslam inspect features kitti/sequences/06/image_0/000000.png -o features.png
-  dsslam inspect features kitti/sequences/06 --frame 2 --set features.keep=500 -o features.png",
-    )
-}
+  dsslam inspect features kitti/sequences/06 --frame 2 --set features.keep=500 -o features.png";
 
 /// Below `dsslam inspect match --help`.
-pub(crate) fn matching() -> String {
-    with_codes(
-        "\
+pub(crate) const MATCHING: &str = "\
 Examples:
   dsslam inspect match image_0/000000.png image_0/000002.png -o matches.png
-  dsslam inspect match kitti/sequences/06 --frames 0 3 --guided -o matches.png",
-    )
-}
+  dsslam inspect match kitti/sequences/06 --frames 0 3 --guided -o matches.png";
 
 /// Below `dsslam inspect stereo --help`.
-pub(crate) fn stereo() -> String {
-    with_codes(
-        "\
+pub(crate) const STEREO: &str = "\
 Examples:
   dsslam inspect stereo kitti/sequences/06 -o disparities.png
-  dsslam inspect stereo kitti/sequences/06 --frame 2 --config kitti -o disparities.png",
-    )
-}
+  dsslam inspect stereo kitti/sequences/06 --frame 2 --config kitti -o disparities.png";
 
 /// Below `dsslam doctor --help`.
-pub(crate) fn doctor() -> String {
-    with_codes(
-        "\
+pub(crate) const DOCTOR: &str = "\
 Examples:
   dsslam doctor
-  dsslam doctor --json",
-    )
-}
+  dsslam doctor --json";
 
 /// Below `dsslam shell completions --help`.
-pub(crate) fn completions() -> String {
-    with_codes(
-        "\
+pub(crate) const COMPLETIONS: &str = "\
 Examples:
   dsslam shell completions bash > dsslam.bash  # ~/.local/share/bash-completion/completions/dsslam
   dsslam shell completions zsh > _dsslam       # a folder of $fpath
-  dsslam shell completions fish > dsslam.fish  # ~/.config/fish/completions",
-    )
-}
+  dsslam shell completions fish > dsslam.fish  # ~/.config/fish/completions";
 
 /// Below `dsslam shell man --help`.
-pub(crate) fn man() -> String {
-    with_codes(
-        "\
+pub(crate) const MAN: &str = "\
 Examples:
   dsslam shell man > dsslam.1
-  dsslam shell man share/man/man1",
-    )
-}
+  dsslam shell man share/man/man1";
 
-fn with_codes(examples: &str) -> String {
+pub(crate) fn with_codes(examples: &str) -> String {
     format!("{examples}\n\n{EXIT_CODES}")
 }

@@ -1,9 +1,10 @@
 //! `dsslam synth`: a rendered course as a dataset.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
 use anyhow::{Result, anyhow, ensure};
-use synth::{Continue, World, WriteOptions, write_euroc, write_kitti};
+use synth::{World, WriteOptions, write_euroc, write_kitti};
 
 use crate::args::{LayoutArg, SynthArgs, WorldArgs};
 use crate::console;
@@ -26,7 +27,7 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Exit, Failure> {
     let options = WriteOptions { max_frames: Some(n_frames), masks: args.masks, depth: args.depth };
     let mut progress = |progress: synth::Progress| {
         bar.set_position(progress.done as u64);
-        if stop.load(Ordering::Relaxed) { Continue::No } else { Continue::Yes }
+        if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let written = match args.layout {
         LayoutArg::Kitti => write_kitti(&world, &args.out, &options, &mut progress),

@@ -81,7 +81,7 @@ pub(crate) struct Summary {
     pub(crate) evaluation_problem: Option<String>,
     /// Times of each stage, milliseconds, in the order in which the stages first ended.
     #[serde(serialize_with = "as_object")]
-    pub(crate) stages: Vec<(&'static str, StageTimes)>,
+    pub(crate) stages: Vec<(&'static str, runtime::Summary)>,
     /// Median time from decoded images to pose, milliseconds.
     pub(crate) track_ms_median: Option<f64>,
     /// Time by the clock from the start of the command to this summary, seconds.
@@ -112,19 +112,6 @@ pub(crate) struct Summary {
     /// Why frames have no pose, with the number of frames, the most frequent reason first.
     #[serde(serialize_with = "as_object")]
     pub(crate) causes: Vec<(&'static str, usize)>,
-}
-
-/// Times of a stage, milliseconds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct StageTimes {
-    /// How often the stage ran.
-    pub(crate) calls: usize,
-    /// Median.
-    pub(crate) median: f64,
-    /// 95th percentile.
-    pub(crate) p95: f64,
-    /// Maximum.
-    pub(crate) max: f64,
 }
 
 /// Quality of the frames that have a pose, from 0 to 1.
@@ -297,12 +284,8 @@ impl Summary {
     }
 }
 
-fn stage_times(timings: &Timings) -> Vec<(&'static str, StageTimes)> {
-    let times = |stage: &'static str| {
-        let s = timings.summary(stage)?;
-        Some((stage, StageTimes { calls: s.calls, median: s.median, p95: s.p95, max: s.max }))
-    };
-    timings.stages().into_iter().filter_map(times).collect()
+fn stage_times(timings: &Timings) -> Vec<(&'static str, runtime::Summary)> {
+    timings.stages().into_iter().filter_map(|stage| Some((stage, timings.summary(stage)?))).collect()
 }
 
 /// Pairs as one JSON object that keeps their order.

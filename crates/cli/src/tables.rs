@@ -1,5 +1,6 @@
 //! The tables of a run: the outcome of each frame, the loops that were verified, the time of each stage.
 
+use eval::table::csv_field;
 use geometry::PoseCovariance;
 use runtime::{FrameRecord, LoopRecord, LoopResult, Timings};
 use slam::Assessment;
@@ -22,7 +23,7 @@ pub(crate) fn frames_csv(records: &[FrameRecord], clock: &io::Clock) -> String {
             // All digits that say something; there is always a point.
             stamp.trim_end_matches('0').trim_end_matches('.'),
             record.status.state().key(),
-            quoted(&reason)
+            csv_field(&reason)
         ));
         push_assessment(&mut text, &record.assessment);
         text.push('\n');
@@ -50,8 +51,8 @@ pub(crate) fn loops_csv(loops: &[LoopRecord]) -> String {
             LoopResult::Closed { inliers, moved_m, turned_deg, joined } => {
                 ("closed", format!("{inliers},{moved_m:.4},{turned_deg:.4},{joined}"), String::new())
             }
-            LoopResult::Rejected(reason) => ("rejected", ",,,".to_owned(), quoted(reason)),
-            LoopResult::Refused(reason) => ("refused", ",,,".to_owned(), quoted(reason)),
+            LoopResult::Rejected(reason) => ("rejected", ",,,".to_owned(), csv_field(reason)),
+            LoopResult::Refused(reason) => ("refused", ",,,".to_owned(), csv_field(reason)),
         };
         let (frame, matched) = (record.frame, record.matched_frame);
         text.push_str(&format!("{frame},{matched},{result},{numbers},{reason}\n"));
@@ -75,15 +76,6 @@ pub(crate) fn timings_csv(timings: &Timings) -> String {
     text
 }
 
-/// A text as a cell of a table: in quotes if it holds a comma, a quote or the end of a line (RFC 4180).
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -99,14 +91,7 @@ pub(crate) mod tests {
             Some(_) => FrameStatus::Tracked { inliers: 100 },
             None => FrameStatus::Dropped(Unusable::Missing("left")),
         };
-        FrameRecord {
-            index,
-            timestamp_s: f64::from(index) * 0.1,
-            status,
-            world_from_cam,
-            submap: None,
-            assessment: slam::Assessment::default(),
-        }
+        FrameRecord::new(index, f64::from(index) * 0.1, status, world_from_cam)
     }
 
     #[test]

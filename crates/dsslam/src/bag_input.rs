@@ -42,9 +42,8 @@ impl OpenedBag {
         let choice = choose(path, bag.topics(), roles)?.as_sensor(options.sensor);
         let sensor = choice.sensor();
         if let Some(wanted) = options.sensor.filter(|wanted| *wanted != sensor) {
-            let reason = "the bag has no topic for it (--topics names them)".to_owned();
-            let path = path.to_path_buf();
-            return Err(io::DatasetError::SensorUnavailable { path, sensor: wanted, reason }.into());
+            let reason = "the bag has no topic for it (--topics names them)";
+            return Err(io::DatasetError::unavailable(path, wanted, reason).into());
         }
         let mut warnings = bag.remarks().to_vec();
         let (frames, told) = frames(&bag, choice, options.association_tolerance_s);
@@ -262,10 +261,7 @@ impl FrameFeed for BagFeed {
     }
 
     fn info(&self, i: usize) -> FrameInfo {
-        FrameInfo {
-            index: u32::try_from(i).unwrap_or(u32::MAX),
-            timestamp_s: io::seconds(self.frames[i].left.t_ns),
-        }
+        FrameInfo::new(i, io::seconds(self.frames[i].left.t_ns))
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {

@@ -123,8 +123,7 @@ mod tests {
         for index in 0..60 {
             let (timestamp_s, status) = (f64::from(index) * 0.1, FrameStatus::Tracked { inliers: 100 });
             let world_from_cam = Some(body * body_from_left);
-            let assessment = slam::Assessment::default();
-            frames.push(FrameRecord { index, timestamp_s, status, world_from_cam, submap: None, assessment });
+            frames.push(FrameRecord::new(index, timestamp_s, status, world_from_cam));
             // The truth is a little late, and has a pose between each two frames.
             poses.push(StampedPose { timestamp_s: timestamp_s + 0.002, world_from_cam: body });
             poses.push(StampedPose { timestamp_s: timestamp_s + 0.05, world_from_cam: SE3::identity() });

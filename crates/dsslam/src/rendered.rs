@@ -32,7 +32,7 @@ impl FrameFeed for RenderedFeed {
     }
 
     fn info(&self, i: usize) -> FrameInfo {
-        FrameInfo { index: i as u32, timestamp_s: self.world.timestamp_s(i) }
+        FrameInfo::new(i, self.world.timestamp_s(i))
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {
@@ -56,8 +56,8 @@ pub(crate) fn image_size(world: &World) -> ImageSize {
 pub(crate) fn sequence(world: &World, len: usize, sensor: Sensor) -> Result<Sequence, DatasetError> {
     let name = world.preset().name();
     if sensor == Sensor::Rgbd {
-        let reason = "rendered frames have a left and a right image, and no depth".to_owned();
-        return Err(DatasetError::SensorUnavailable { path: name.into(), sensor, reason });
+        let reason = "rendered frames have a left and a right image, and no depth";
+        return Err(DatasetError::unavailable(name.as_ref(), sensor, reason));
     }
     let pose =
         |i: usize| StampedPose { timestamp_s: world.timestamp_s(i), world_from_cam: world.world_from_cam(i) };

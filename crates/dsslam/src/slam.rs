@@ -97,13 +97,12 @@ impl Slam {
         let mask = self.mask(&images).map_err(refused)?;
         let name = self.intake.path.as_path();
         let frame = self.intake.preparation.apply(frame, name);
-        let index = u32::try_from(self.stamps.len()).unwrap_or(u32::MAX);
-        let info = FrameInfo { index, timestamp_s: io::seconds(t_ns) };
+        let info = FrameInfo::new(self.stamps.len(), io::seconds(t_ns));
         self.stamps.push(t_ns);
         match &mut self.engine {
-            Engine::Here(line) => Ok(line.step_masked(info, frame, mask, &mut Silent)?),
+            Engine::Here(line) => Ok(line.step(info, frame, mask, &mut Silent)?),
             Engine::Threads(threads) => {
-                threads.push_masked(info, frame, mask)?;
+                threads.push(info, frame, mask)?;
                 Ok(threads.answer().ok_or(RunEnded)?)
             }
         }

@@ -63,16 +63,14 @@ mod tests {
 
     /// Frames at x = their number, each in the sub-map of this root; `None`: dropped.
     fn records(roots: &[Option<u32>]) -> Vec<FrameRecord> {
-        let record = |(index, root): (u32, &Option<u32>)| FrameRecord {
-            index,
-            timestamp_s: f64::from(index),
-            status: match root {
+        let record = |(index, root): (u32, &Option<u32>)| {
+            let status = match root {
                 Some(_) => FrameStatus::Tracked { inliers: 50 },
                 None => FrameStatus::Dropped(Unusable::Skipped),
-            },
-            world_from_cam: Some(SE3::new(SO3::identity(), Vec3::new(f64::from(index), 0.0, 0.0))),
-            submap: root.map(KeyframeId),
-            assessment: slam::Assessment::default(),
+            };
+            let x = f64::from(index);
+            let pose = SE3::new(SO3::identity(), Vec3::new(x, 0.0, 0.0));
+            FrameRecord { submap: root.map(KeyframeId), ..FrameRecord::new(index, x, status, Some(pose)) }
         };
         (0..).zip(roots).map(record).collect()
     }

@@ -106,14 +106,7 @@ mod tests {
             Some(_) => FrameStatus::Tracked { inliers: 100 },
             None => FrameStatus::Dropped(Unusable::Missing("left")),
         };
-        FrameRecord {
-            index,
-            timestamp_s: f64::from(index) * 0.1,
-            status,
-            world_from_cam,
-            submap: None,
-            assessment: slam::Assessment::default(),
-        }
+        FrameRecord::new(index, f64::from(index) * 0.1, status, world_from_cam)
     }
 
     #[test]

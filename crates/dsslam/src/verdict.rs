@@ -66,14 +66,7 @@ mod tests {
 
     fn frames(statuses: &[(FrameStatus, usize)]) -> Vec<FrameRecord> {
         let all = statuses.iter().flat_map(|(status, n)| std::iter::repeat_n(status.clone(), *n));
-        let record = |(index, status)| FrameRecord {
-            index,
-            timestamp_s: f64::from(index),
-            status,
-            world_from_cam: None,
-            submap: None,
-            assessment: slam::Assessment::default(),
-        };
+        let record = |(index, status)| FrameRecord::new(index, f64::from(index), status, None);
         (0..).zip(all).map(record).collect()
     }
 

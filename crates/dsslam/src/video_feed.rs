@@ -116,10 +116,7 @@ impl FrameFeed for VideoFeed {
     fn info(&self, i: usize) -> FrameInfo {
         let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let time_s = state.times_s.get(i).copied();
-        FrameInfo {
-            index: u32::try_from(i).unwrap_or(u32::MAX),
-            timestamp_s: time_s.unwrap_or(i as f64 / self.frame_rate_hz),
-        }
+        FrameInfo::new(i, time_s.unwrap_or(i as f64 / self.frame_rate_hz))
     }
 
     fn load(&self, i: usize) -> Result<LoadedFrame, Unusable> {

@@ -12,10 +12,11 @@ mod push_images;
 mod save_load_localize;
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use synth::{Continue, Preset, World, WriteOptions, write_kitti};
+use synth::{Preset, World, WriteOptions, write_kitti};
 use tempfile::TempDir;
 
 const N_FRAMES: usize = 6;
@@ -24,7 +25,7 @@ const N_FRAMES: usize = 6;
 static DRIVE: LazyLock<TempDir> = LazyLock::new(|| {
     let (folder, world) = (tempfile::tempdir().unwrap(), World::new(Preset::Town, 1, 1));
     let options = WriteOptions { max_frames: Some(N_FRAMES), masks: false, depth: false };
-    write_kitti(&world, &folder.path().join("drive"), &options, &mut |_| Continue::Yes).unwrap();
+    write_kitti(&world, &folder.path().join("drive"), &options, &mut |_| ControlFlow::Continue(())).unwrap();
     let rig = world.rig();
     let (camera, (width, height)) = (rig.camera, world.image_size());
     let (fx, fy, cx, cy) = (camera.fx, camera.fy, camera.cx, camera.cy);

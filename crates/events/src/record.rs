@@ -1,6 +1,6 @@
 //! What the stream is made of. A change of these types is a change of [`VERSION`](crate::VERSION).
 
-use geometry::Sensor;
+use geometry::{PoseCovariance, Sensor};
 use serde::{Deserialize, Serialize};
 
 use crate::Pose;
@@ -85,6 +85,13 @@ pub enum FrameState {
 }
 
 impl FrameState {
+    /// The state with this [`key`](Self::key).
+    pub fn of_key(key: &str) -> Option<Self> {
+        [Self::NotReady, Self::Tracked, Self::Lost, Self::Dropped]
+            .into_iter()
+            .find(|state| state.key() == key)
+    }
+
     /// In one word for programs and tables.
     pub fn key(self) -> &'static str {
         match self {
@@ -145,6 +152,14 @@ pub struct Trust {
     pub quality: f32,
     /// Largest standard deviations of the position (m) and the rotation (deg), if they are known.
     pub sigma: Option<[f32; 2]>,
+}
+
+impl Trust {
+    /// A quality from 0 to 1, and the covariance of the pose if it is known.
+    pub fn new(quality: f64, covariance: Option<&PoseCovariance>) -> Self {
+        let sigma = covariance.map(|c| [c.sigma_m().max() as f32, c.sigma_deg().max() as f32]);
+        Trust { quality: quality as f32, sigma }
+    }
 }
 
 /// Counts of tracking of a frame.

@@ -24,8 +24,6 @@ pub type Mat6 = SMatrix<f64, 6, 6>;
 pub type Mat7 = SMatrix<f64, 7, 7>;
 /// A 2 by 3 matrix: the derivative of a pixel by a point.
 pub type Mat2x3 = SMatrix<f64, 2, 3>;
-/// A 2 by 6 matrix: the derivative of a pixel by a pose.
-pub type Mat2x6 = SMatrix<f64, 2, 6>;
 /// A 3 by 6 matrix: the derivative of a point by a pose.
 pub type Mat3x6 = SMatrix<f64, 3, 6>;
 /// A 3 by 4 matrix: a projection matrix or a pose without its last row.

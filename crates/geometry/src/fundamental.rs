@@ -3,9 +3,6 @@
 //! `F` maps a pixel of view `a` to its epipolar line in view `b`: `[pixel_b; 1]^T F [pixel_a; 1] = 0`.
 
 use crate::aliases::{Mat3, Vec2};
-use crate::pinhole::Pinhole;
-use crate::se3::SE3;
-use crate::so3::SO3;
 use crate::svd::{RightSvd, triangular_factor};
 use nalgebra::{OMatrix, RowSVector, U9};
 
@@ -41,13 +38,6 @@ pub fn estimate_fundamental(pixels_a: &[Vec2], pixels_b: &[Vec2], weights: Optio
     (norm.is_finite() && norm > 0.0).then(|| f / norm)
 }
 
-/// The fundamental matrix of two calibrated cameras, not normalized.
-#[must_use]
-pub fn fundamental_from_poses(camera_a: &Pinhole, camera_b: &Pinhole, b_from_a: &SE3) -> Mat3 {
-    let essential = SO3::hat(&b_from_a.translation) * b_from_a.rotation.matrix();
-    inverse_calibration(camera_b).transpose() * essential * inverse_calibration(camera_a)
-}
-
 /// The Sampson distance: the squared distance in square pixels, to first order, from a pair to the nearest exact pair.
 ///
 /// Hartley and Zisserman, equation 11.9. Not a number where both pixels are epipoles.
@@ -78,9 +68,4 @@ pub(crate) fn normalization(pixels: &[Vec2]) -> Option<Mat3> {
 fn with_rank_two(matrix: &Mat3) -> Option<Mat3> {
     let last = RightSvd::new(matrix)?.null_vector();
     Some(matrix - (matrix * last) * last.transpose())
-}
-
-fn inverse_calibration(camera: &Pinhole) -> Mat3 {
-    let (x, y) = (1.0 / camera.fx, 1.0 / camera.fy);
-    Mat3::new(x, 0.0, -camera.cx * x, 0.0, y, -camera.cy * y, 0.0, 0.0, 1.0)
 }

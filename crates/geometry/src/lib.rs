@@ -36,12 +36,11 @@ mod umeyama;
 pub use aliases::*;
 pub use camera_model::{CameraModel, KannalaBrandt, Rational};
 pub use distortion::Distortion;
-pub use essential::{CheiralityChoice, decompose_essential, essential_from_fundamental, pose_from_essential};
+pub use essential::{decompose_essential, essential_from_fundamental};
 pub use estimators::{
-    AlignmentEstimator, FundamentalEstimator, HomographyEstimator, PnpEstimator, SightedPoints,
-    SimilarityEstimator,
+    FundamentalEstimator, HomographyEstimator, PnpEstimator, SightedPoints, SimilarityEstimator,
 };
-pub use fundamental::{estimate_fundamental, fundamental_from_poses, sampson_error_sq};
+pub use fundamental::{estimate_fundamental, sampson_error_sq};
 pub use homography::{
     Homography, PlanarMotion, decompose_homography, estimate_homography, homography_of_four,
 };
@@ -58,7 +57,7 @@ pub use sensor::{Sensor, UnknownSensor};
 pub use sim3::Sim3;
 pub use so3::SO3;
 pub use stereo::StereoRig;
-pub use triangulate::{angle_between, parallax, triangulate, triangulate_dlt};
+pub use triangulate::{angle_between, triangulate, triangulate_dlt};
 pub use two_view::{
     TwoView, TwoViewFailure, TwoViewMatches, TwoViewModel, TwoViewOptions, TwoViewReconstruction,
 };

@@ -121,14 +121,6 @@ impl Sim3 {
         m
     }
 
-    /// The rigid motion that sees the same image: rotation and `t / s` of a camera-from-world similarity.
-    ///
-    /// Dividing camera coordinates by the scale does not move their projection.
-    #[must_use]
-    pub fn to_se3(&self) -> SE3 {
-        SE3::new(self.rotation, self.translation / self.scale)
-    }
-
     /// Whether all numbers are finite and the scale is positive.
     #[must_use]
     pub fn is_valid(&self) -> bool {

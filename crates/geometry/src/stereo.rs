@@ -43,13 +43,6 @@ impl StereoRig {
         self.bf() / disparity_px
     }
 
-    /// Disparity `u - u_right` in pixels of a depth in meters.
-    #[inline]
-    #[must_use]
-    pub fn disparity_from_depth(&self, depth: f64) -> f64 {
-        self.bf() / depth
-    }
-
     /// The derivative of [`StereoRig::project`] by the point: 3 by 3, pixels per meter.
     #[inline]
     #[must_use]

@@ -46,12 +46,6 @@ pub fn triangulate(cams_from_world: &[SE3], normalized: &[Vec2]) -> Option<Vec3>
     cams_from_world.iter().all(|cam| (cam * point).z > 0.0).then_some(point)
 }
 
-/// The angle in radians under which a point sees two camera centers; all three in one frame.
-#[must_use]
-pub fn parallax(point: &Vec3, center_a: &Vec3, center_b: &Vec3) -> f64 {
-    angle_between(&(center_a - point), &(center_b - point))
-}
-
 /// The angle in radians between two directions, from 0 to pi, precise also for tiny angles; zero if a direction is zero.
 #[must_use]
 pub fn angle_between(a: &Vec3, b: &Vec3) -> f64 {

@@ -224,6 +224,15 @@ impl<'a> Line<'a> {
     }
 }
 
+/// What lies in a folder, in any order; nothing where there is no such folder.
+pub(crate) fn entries(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let paths = fs::read_dir(folder).and_then(|all| all.map(|entry| Ok(entry?.path())).collect());
+    paths.map_err(|error| FileError::Unreadable { path: folder.to_path_buf(), reason: error.to_string() })
+}
+
 /// `1 number`, `11 numbers`.
 pub(crate) fn counted(n: usize, noun: &str) -> String {
     if n == 1 { format!("1 {noun}") } else { format!("{n} {noun}s") }

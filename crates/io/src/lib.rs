@@ -18,7 +18,7 @@ pub use config::{
 pub use dataset::{
     Calibration, CameraFile, DatasetError, FrameSource, OpenOptions, Packing, RawCalibration, RawCamera,
     RectifiedView, Sequence, SequenceKind, Times, Variant, VariantError, Video, associate, layout_of,
-    open_cameras, open_sequence, open_sequence_with, open_video, read_calibration, seconds,
+    nanoseconds_of, open_cameras, open_sequence, open_sequence_with, open_video, read_calibration, seconds,
 };
 pub use file::{FileError, check_file, create_output_folder, read_file, write_atomic, write_durable};
 pub use geometry::Sensor;

@@ -48,6 +48,30 @@ pub struct FrameAnswer {
 }
 
 impl FrameAnswer {
+    /// The answer to a frame of which nothing but this is known, with the keyframes and points of the map that it saw.
+    pub(crate) fn without_pose(
+        info: FrameInfo,
+        status: FrameStatus,
+        (keyframes, points): (usize, usize),
+    ) -> Self {
+        Self {
+            index: info.index,
+            timestamp_s: info.timestamp_s,
+            status,
+            world_from_cam: None,
+            last_from_cam: None,
+            submap: None,
+            assessment: Assessment::default(),
+            keyframe: None,
+            stats: TrackStats::default(),
+            features: 0,
+            with_depth: 0,
+            keyframes,
+            points,
+            track_ms: 0.0,
+        }
+    }
+
     /// The pose the other way round: from the world into the camera.
     pub fn cam_from_world(&self) -> Option<SE3> {
         self.world_from_cam.map(|pose| pose.inverse())
@@ -164,10 +188,8 @@ pub struct SourceImages {
 /// A frame after tracking; shares what the run has.
 #[derive(Clone, Debug)]
 pub struct FrameDetails {
-    /// Number and time.
-    pub info: FrameInfo,
-    /// Its outcome.
-    pub status: FrameStatus,
+    /// What was said of it.
+    pub answer: FrameAnswer,
     /// The world that tracking saw.
     pub world: Arc<World>,
     /// Its features.
@@ -181,18 +203,12 @@ pub struct FrameDetails {
     pub scale: f64,
     /// Pose in that map; the identity for a frame that starts it.
     pub world_from_cam: SE3,
-    /// How far the pose is to be trusted, with its covariance.
-    pub assessment: Assessment,
     /// All matches of features with map points, sorted by feature.
     pub matched: Vec<(u32, PointId)>,
     /// Probability, of all that is known with this frame, that the point of each of them stands still.
     pub trust: Vec<f32>,
     /// Those of them that agree with the pose.
     pub inliers: Vec<(u32, PointId)>,
-    /// Counts of tracking.
-    pub stats: TrackStats,
-    /// Keyframes and points in the map that it saw.
-    pub map_size: (usize, usize),
     /// `(stage, ms)` in the order in which the stages ended.
     pub stages: Vec<(&'static str, f64)>,
 }
@@ -200,8 +216,7 @@ pub struct FrameDetails {
 impl FrameDetails {
     /// Details of a frame that was just tracked; `tracked` loses its matches.
     pub(crate) fn new(
-        info: FrameInfo,
-        status: FrameStatus,
+        answer: FrameAnswer,
         (frame, images): (Arc<Frame>, Option<SourceImages>),
         tracked: &mut Tracked,
         view: &View,
@@ -211,20 +226,16 @@ impl FrameDetails {
         let pose = tracked.pose.map(|pose| pose.on_living(map));
         let cam_from_world = pose.and_then(|pose| pose.cam_from_world(map)).unwrap_or(SE3::identity());
         FrameDetails {
-            info,
-            status,
+            answer,
             world: view.world.clone(),
             frame,
             images,
             pose,
             scale: pose.map_or(1.0, |pose| map.scale_of(pose.keyframe)),
             world_from_cam: cam_from_world.normalized().inverse(),
-            assessment: tracked.assessment.clone(),
             trust: std::mem::take(&mut tracked.trust),
             matched: std::mem::take(&mut tracked.matched),
             inliers: std::mem::take(&mut tracked.inliers),
-            stats: tracked.stats,
-            map_size: (map.n_keyframes(), map.n_points()),
             stages,
         }
     }

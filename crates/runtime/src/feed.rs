@@ -17,6 +17,13 @@ pub struct FrameInfo {
     pub timestamp_s: f64,
 }
 
+impl FrameInfo {
+    /// The `i`-th frame.
+    pub fn new(i: usize, timestamp_s: f64) -> Self {
+        Self { index: u32::try_from(i).unwrap_or(u32::MAX), timestamp_s }
+    }
+}
+
 /// Where features may be taken in a frame; `None`: everywhere.
 pub type FrameMask = Option<Arc<FeatureMask>>;
 

@@ -68,19 +68,19 @@ fn records(tracked: Vec<TrackedFrame>, mapping: &MapLog, map: &Map) -> Vec<Frame
     };
     let mut last: Option<RelativePose> = None;
     let mut records = Vec::with_capacity(tracked.len());
-    for (n, frame) in tracked.into_iter().enumerate() {
-        let known = keyframe_of(n).map(RelativePose::of_keyframe).or(frame.relative);
+    for (n, TrackedFrame { answer, relative, .. }) in tracked.into_iter().enumerate() {
+        let known = keyframe_of(n).map(RelativePose::of_keyframe).or(relative);
         // Frames that were not tracked repeat the last pose.
-        let relative = known.or(last.filter(|_| !frame.status.has_pose()));
+        let relative = known.or(last.filter(|_| !answer.status.has_pose()));
         records.push(FrameRecord {
-            index: frame.info.index,
-            timestamp_s: frame.info.timestamp_s,
-            status: frame.status,
+            index: answer.index,
+            timestamp_s: answer.timestamp_s,
+            status: answer.status,
             world_from_cam: relative
                 .and_then(|relative| relative.cam_from_world(map))
                 .map(|cam_from_world| cam_from_world.normalized().inverse()),
             submap: relative.and_then(|relative| map.submap_of(relative.keyframe)),
-            assessment: frame.assessment,
+            assessment: answer.assessment,
         });
         last = relative.or(last);
     }

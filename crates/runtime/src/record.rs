@@ -156,6 +156,14 @@ pub struct FrameRecord {
     pub assessment: Assessment,
 }
 
+impl FrameRecord {
+    /// A frame of no known sub-map, whose pose was not assessed.
+    pub fn new(index: u32, timestamp_s: f64, status: FrameStatus, world_from_cam: Option<SE3>) -> Self {
+        let (submap, assessment) = (None, Assessment::default());
+        Self { index, timestamp_s, status, world_from_cam, submap, assessment }
+    }
+}
+
 /// A loop that was looked at closely.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopRecord {

@@ -81,26 +81,13 @@ impl Sequential {
         }
     }
 
-    /// Takes the next frame; `images` may also be the reason why there are none. The answer is what observers get as
-    /// [`Event::Frame`].
+    /// Takes the next frame; `images` may also be the reason why there are none, and a mask of this frame takes the place of the
+    /// setup's. The answer is what observers get as [`Event::Frame`].
     ///
     /// # Errors
     /// The stage that panicked, at this frame or an earlier one; what was computed until then is left to
     /// [`Sequential::finish`].
     pub fn step(
-        &mut self,
-        info: FrameInfo,
-        images: Result<LoadedFrame, Unusable>,
-        observer: &mut dyn Observer,
-    ) -> Result<FrameAnswer, StageFailure> {
-        self.step_masked(info, images, None, observer)
-    }
-
-    /// As [`Sequential::step`], with a mask of this frame in the place of the setup's.
-    ///
-    /// # Errors
-    /// As [`Sequential::step`].
-    pub fn step_masked(
         &mut self,
         info: FrameInfo,
         images: Result<LoadedFrame, Unusable>,

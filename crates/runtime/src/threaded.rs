@@ -59,20 +59,12 @@ impl Threaded {
         Ok(Threaded { frames: Some(frames), answers, stop, run: Some(run) })
     }
 
-    /// Hands over the next frame; `images` may also be the reason why there are none. Waits while the stages are behind, except in
-    /// real time, where the newest frame replaces one that is still waiting.
+    /// Hands over the next frame; `images` may also be the reason why there are none, and a mask of this frame takes the place of the
+    /// setup's. Waits while the stages are behind, except in real time, where the newest frame replaces one that is still waiting.
     ///
     /// # Errors
     /// When a stage has ended the run.
-    pub fn push(&self, info: FrameInfo, images: Result<LoadedFrame, Unusable>) -> Result<(), RunEnded> {
-        self.push_masked(info, images, None)
-    }
-
-    /// As [`Threaded::push`], with a mask of this frame in the place of the setup's.
-    ///
-    /// # Errors
-    /// As [`Threaded::push`].
-    pub fn push_masked(
+    pub fn push(
         &self,
         info: FrameInfo,
         images: Result<LoadedFrame, Unusable>,
@@ -86,11 +78,6 @@ impl Threaded {
     /// that asking for more waits for ever.
     pub fn answer(&self) -> Option<FrameAnswer> {
         self.answers.recv().ok()
-    }
-
-    /// The next answer, if it is there already.
-    pub fn try_answer(&self) -> Option<FrameAnswer> {
-        self.answers.try_recv().ok()
     }
 
     /// Lets the stages finish all that was pushed, and returns the results with the answers that nobody has taken.

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError};
+use serde::Serialize;
 use slam::{Probe, Stage};
 
 /// Times of one frame, in milliseconds.
@@ -22,7 +23,7 @@ pub struct Timings {
 }
 
 /// Median, 95th percentile and maximum of a stage, in milliseconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// How often the stage ran.
     pub calls: usize,

@@ -200,26 +200,16 @@ fn of_loop(record: &LoopRecord) -> Words {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::feed::FrameInfo;
     use crate::record::{FrameStatus, Unusable};
     use map::KeyframeId;
-    use slam::{Assessment, Lost, NotReady, TrackStats};
+    use slam::{Lost, NotReady};
 
     fn frame(index: u32, status: FrameStatus) -> Event {
+        let info = FrameInfo { index, timestamp_s: 0.0 };
         Event::Frame(Box::new(FrameAnswer {
-            index,
-            timestamp_s: 0.0,
-            status,
-            world_from_cam: None,
-            last_from_cam: None,
-            submap: None,
-            assessment: Assessment::default(),
-            keyframe: None,
-            stats: TrackStats::default(),
-            features: 0,
-            with_depth: 0,
-            keyframes: 7,
-            points: 9,
             track_ms: 2.0,
+            ..FrameAnswer::without_pose(info, status, (7, 9))
         }))
     }
 

@@ -49,7 +49,7 @@ fn without_times(answers: &[FrameAnswer]) -> Vec<FrameAnswer> {
 fn frames_pushed_in_turn_give_the_bits_of_a_run_and_an_answer_each() {
     let (feed, mut heard, mut slam) = (feed(), Answers::default(), Sequential::new(setup(), false));
     let step = |i: usize, slam: &mut Sequential, heard: &mut Answers| {
-        slam.step(feed.info(i), feed.load(i), heard).unwrap()
+        slam.step(feed.info(i), feed.load(i), None, heard).unwrap()
     };
     let answers: Vec<FrameAnswer> = (0..8).map(|i| step(i, &mut slam, &mut heard)).collect();
     assert_eq!(answers, heard.0, "an answer is what observers hear");
@@ -71,7 +71,7 @@ fn frames_pushed_to_threads_give_the_bits_of_a_run() {
     let slam = Threaded::start(threaded, Box::new(Silent)).unwrap();
     let (feed, mut answers) = (feed(), Vec::new());
     for i in 0..8 {
-        slam.push(feed.info(i), feed.load(i)).unwrap();
+        slam.push(feed.info(i), feed.load(i), None).unwrap();
         // Some are waited for, the others are left for the end.
         if i < 4 {
             answers.push(slam.answer().unwrap());
@@ -90,7 +90,7 @@ fn a_live_run_in_real_time_answers_for_every_frame_in_order() {
     let live = Setup { schedule: Schedule::Live { realtime: true }, ..setup() };
     let slam = Threaded::start(live, Box::new(Silent)).unwrap();
     let feed = Feed(vec![Kind::Good; 40]);
-    (0..40).for_each(|i| slam.push(feed.info(i), feed.load(i)).unwrap());
+    (0..40).for_each(|i| slam.push(feed.info(i), feed.load(i), None).unwrap());
     let (outcome, answers) = slam.finish().unwrap();
     let order: Vec<u32> = answers.iter().map(|answer| answer.index).collect();
     assert_eq!(order, (0..40).collect::<Vec<u32>>());
@@ -115,7 +115,7 @@ fn a_stage_that_panics_is_named_at_every_later_step_and_the_rest_is_left() {
         let faults = Faults { panic_at: Some((stage, 3)), ..Faults::default() };
         let mut slam = Sequential::new(Setup { faults, ..setup() }, false);
         for i in 0..8 {
-            let stepped = slam.step(feed.info(i), feed.load(i), &mut Silent);
+            let stepped = slam.step(feed.info(i), feed.load(i), None, &mut Silent);
             assert_eq!(
                 stepped.map_err(|failure| failure.stage).err(),
                 (i >= 3).then_some(stage),
@@ -137,7 +137,7 @@ fn a_panic_on_a_thread_ends_the_pushing_and_is_part_of_the_results() {
     let slam =
         Threaded::start(Setup { faults, schedule: Schedule::Lockstep, ..setup() }, Box::new(Silent)).unwrap();
     let feed = Feed(vec![Kind::Good; 200]);
-    let refused = (0..200).find(|&i| slam.push(feed.info(i), feed.load(i)).is_err());
+    let refused = (0..200).find(|&i| slam.push(feed.info(i), feed.load(i), None).is_err());
     assert!(refused.is_some_and(|i| i >= 3), "{refused:?}");
     let heard = std::iter::from_fn(|| slam.answer()).count();
     assert_eq!(heard, 3, "the answers before the panic, then the end");
@@ -149,10 +149,10 @@ fn a_run_that_is_dropped_ends() {
     let feed = Feed(vec![Kind::Good; 3]);
     for schedule in [Schedule::Lockstep, Schedule::Live { realtime: true }] {
         let slam = Threaded::start(Setup { schedule, ..setup() }, Box::new(Silent)).unwrap();
-        (0..3).for_each(|i| slam.push(feed.info(i), feed.load(i)).unwrap());
+        (0..3).for_each(|i| slam.push(feed.info(i), feed.load(i), None).unwrap());
         drop(slam);
     }
     let mut slam = Sequential::new(setup(), false);
-    slam.step(feed.info(0), feed.load(0), &mut Silent).unwrap();
+    slam.step(feed.info(0), feed.load(0), None, &mut Silent).unwrap();
     drop(slam);
 }

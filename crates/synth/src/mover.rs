@@ -2,6 +2,7 @@
 
 use crate::course::Course;
 use crate::drive::{Drive, LANE_M};
+use crate::layout::SideStreet;
 use crate::mesh::{Placement, V3};
 use crate::noise::Wander;
 use crate::vehicle_paint::Model;
@@ -29,7 +30,7 @@ pub(crate) enum Path {
     /// Meets us at `s` (meters driven) at time `t`, coming with `speed`.
     Oncoming { s: f64, t: f64, speed: f64, lateral: f64 },
     /// Along a side street: at its middle at time `t`, `sign` +1 from left to right.
-    Crossing { center: V3, right: V3, sign: f64, t: f64, speed: f64, lateral: f64, reach: [f64; 2] },
+    Crossing { street: SideStreet, sign: f64, t: f64, speed: f64 },
     /// `gap_m` beyond where we shall be after `mean_s + headway(t)` seconds.
     Leader { headway: Wander, mean_s: f64, gap_m: f64 },
     /// In our direction, `start + speed t + sway(t)` meters along the course.
@@ -38,6 +39,9 @@ pub(crate) enum Path {
     /// from the first of the `lanes` to the second meanwhile.
     Overtaking { beside: f64, ahead_m: f64, half_m: f64, lanes: [f64; 2] },
 }
+
+/// The near side of a side street, right-hand traffic, meters from its middle.
+const NEAR_SIDE_M: f64 = 1.7;
 
 /// How much faster a lorry is while it overtakes, m/s, for how long it stays with us, seconds, and how it leaves, m/s^2.
 const OVERTAKING_SPEED: f64 = 2.2;
@@ -74,14 +78,19 @@ impl Mover {
                 placement.yaw += std::f64::consts::PI;
                 Some(placement)
             }
-            Path::Crossing { center, right, sign, t: middle, speed, lateral, reach } => {
+            Path::Crossing {
+                street: SideStreet { center, right, left_m, right_m, .. },
+                sign,
+                t: middle,
+                speed,
+            } => {
                 let along = sign * speed * (t - middle);
-                if along < -reach[0] || along > reach[1] {
+                if along < -left_m || along > *right_m {
                     return None;
                 }
                 let dir = right * *sign;
                 let own_right = V3::y().cross(&dir);
-                let position = center + right * along + own_right * *lateral;
+                let position = center + right * along + own_right * NEAR_SIDE_M;
                 Some(Placement { position, yaw: dir.x.atan2(dir.z) })
             }
             Path::Leader { headway, mean_s, gap_m } => {

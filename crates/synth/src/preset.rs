@@ -84,6 +84,19 @@ pub(crate) struct Settings {
     pub(crate) pace: Pace,
 }
 
+/// Name and description of each preset, in their order.
+const WORDS: [[&str; 2]; Preset::ALL.len()] = [
+    ["town", "A closed course through a town, with some traffic"],
+    ["quiet", "The town, with hardly a moving car"],
+    ["busy", "The town in dense traffic, a bus or a van close ahead"],
+    ["crossing", "The town, halting at crossings while trucks fill the view"],
+    ["facades", "An open street of fronts that look alike"],
+    ["jam", "An open street in a jam, vehicles close ahead and in the next lane"],
+    ["lorry", "An open street on which lorries overtake in pairs and pull in close ahead"],
+    ["column", "An open street beside a column of lorries and buses, one of them ahead"],
+    ["trams", "The town, halting at crossings while trams pass in both directions"],
+];
+
 impl Preset {
     /// All presets.
     pub const ALL: [Self; 9] = [
@@ -101,17 +114,13 @@ impl Preset {
     /// Name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Town => "town",
-            Self::Quiet => "quiet",
-            Self::Busy => "busy",
-            Self::Crossing => "crossing",
-            Self::Facades => "facades",
-            Self::Jam => "jam",
-            Self::Lorry => "lorry",
-            Self::Column => "column",
-            Self::Trams => "trams",
-        }
+        WORDS[self as usize][0]
+    }
+
+    /// What it shows, in a few words.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        WORDS[self as usize][1]
     }
 
     /// Whether the street never comes back, so that it is driven once.

@@ -124,15 +124,8 @@ impl Traffic {
             let street = &world.side_streets[halt.street];
             for (k, (sign, behind_s)) in TRAMS.into_iter().enumerate() {
                 let kind = self.kinds[N_CARS + N_VANS + N_BUSES + N_TRUCKS + (i + k) % N_TRAMS];
-                let path = Path::Crossing {
-                    center: street.center,
-                    right: street.right,
-                    sign,
-                    t: halt.time + behind_s,
-                    speed: TRAM_SPEED,
-                    lateral: 1.7,
-                    reach: [street.left_m, street.right_m],
-                };
+                let path =
+                    Path::Crossing { street: *street, sign, t: halt.time + behind_s, speed: TRAM_SPEED };
                 self.movers.push(Mover { kind, gain: 1.0, path });
             }
         }
@@ -144,16 +137,8 @@ impl Traffic {
             let street = &world.side_streets[halt.street];
             let kind = self.kinds[N_CARS + N_VANS + N_BUSES + i % N_TRUCKS];
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
-            // Near side of the side street as seen from us, right-hand traffic.
-            let path = Path::Crossing {
-                center: street.center,
-                right: street.right,
-                sign,
-                t: halt.time + 0.5 * halt.seconds,
-                speed: 3.4,
-                lateral: 1.7,
-                reach: [street.left_m, street.right_m],
-            };
+            let path =
+                Path::Crossing { street: *street, sign, t: halt.time + 0.5 * halt.seconds, speed: 3.4 };
             self.movers.push(Mover { kind, gain: 1.0, path });
         }
     }
@@ -179,15 +164,7 @@ impl Traffic {
                     continue;
                 }
                 let t = world.drive.time_at(meet);
-                let path = Path::Crossing {
-                    center: street.center,
-                    right: street.right,
-                    sign,
-                    t,
-                    speed,
-                    lateral: 1.7,
-                    reach: [street.left_m, street.right_m],
-                };
+                let path = Path::Crossing { street: *street, sign, t, speed };
                 let candidate = Mover { kind, gain: 1.0, path };
                 if self.meets_nobody(&candidate, world, t) {
                     self.push(kind, candidate.path, rng);

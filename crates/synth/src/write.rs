@@ -4,10 +4,11 @@ use crate::preset::Preset;
 use crate::town::{LABEL_MOVING, LABEL_PARKED, LABEL_SKY, LABEL_STATIC};
 use crate::world::{StereoFrame, World};
 use geometry::{DepthImage, GrayImage, Raster};
+use io::FileError;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::ops::ControlFlow;
+use std::path::Path;
 
 /// Depth images hold meters times this; 0 where there is none or it is too far.
 pub const DEPTH_UNITS_PER_METRE: f64 = 256.0;
@@ -23,30 +24,6 @@ pub struct WriteOptions {
     pub depth: bool,
 }
 
-/// What can go wrong while writing.
-#[derive(Debug, Error)]
-pub enum WriteError {
-    /// A folder cannot be made.
-    #[error("{}: cannot create folder: {source}", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// A file cannot be written.
-    #[error("{}: cannot write: {source}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// An image cannot be written; the message names the file.
-    #[error(transparent)]
-    Image(#[from] io::FileError),
-}
-
 /// How far the writing is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
@@ -56,17 +33,9 @@ pub struct Progress {
     pub total: usize,
 }
 
-/// Whether to go on after a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Continue {
-    /// Write the next frame.
-    Yes,
-    /// Stop here; what is written so far is a complete, shorter sequence.
-    No,
-}
-
 /// Writes `calib.txt`, `times.txt`, `poses.txt`, `synth.json`, `image_0/`, `image_1/` and what the options ask for into `out_dir`
-/// (created if missing). `progress` hears of every frame and may stop the writing. Returns the number of frames written.
+/// (created if missing). `progress` hears of every frame and may stop
+/// the writing: what is written so far is a complete, shorter sequence. Returns the number of frames written.
 ///
 /// # Errors
 /// When a folder or file cannot be written; the message names it.
@@ -74,38 +43,46 @@ pub fn write_kitti(
     world: &World,
     out_dir: &Path,
     options: &WriteOptions,
-    progress: &mut dyn FnMut(Progress) -> Continue,
-) -> Result<usize, WriteError> {
-    let total = options.max_frames.map_or(world.n_frames(), |n| n.min(world.n_frames()));
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<usize, FileError> {
     let mut folders = vec!["image_0", "image_1"];
     folders.extend(options.masks.then_some("masks"));
     folders.extend(options.depth.then_some("depth"));
     for folder in &folders {
-        let path = out_dir.join(folder);
-        std::fs::create_dir_all(&path).map_err(|source| WriteError::Folder { path, source })?;
+        io::create_output_folder(&out_dir.join(folder))?;
     }
-    write_text(&out_dir.join("calib.txt"), &calibration(world))?;
-    let mut done = 0;
-    while done < total {
-        write_frame(world, done, out_dir, options)?;
-        done += 1;
-        if progress(Progress { done, total }) == Continue::No {
-            break;
-        }
-    }
-    write_text(&out_dir.join("times.txt"), &times(world, done))?;
-    write_text(&out_dir.join("poses.txt"), &poses(world, done))?;
-    write_text(&out_dir.join("synth.json"), &description(world, options, done))?;
+    io::write_atomic(&out_dir.join("calib.txt"), calibration(world).as_bytes())?;
+    let done = each_frame(world, options.max_frames, progress, |i| write_frame(world, i, out_dir, options))?;
+    io::write_atomic(&out_dir.join("times.txt"), times(world, done).as_bytes())?;
+    io::write_atomic(&out_dir.join("poses.txt"), poses(world, done).as_bytes())?;
+    io::write_atomic(&out_dir.join("synth.json"), description(world, options, done).as_bytes())?;
     Ok(done)
 }
 
-fn write_frame(world: &World, i: usize, out_dir: &Path, options: &WriteOptions) -> Result<(), WriteError> {
+/// Writes frame after frame; returns how many.
+pub(crate) fn each_frame(
+    world: &World,
+    max_frames: Option<usize>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    write: impl Fn(usize) -> Result<(), FileError>,
+) -> Result<usize, FileError> {
+    let total = max_frames.map_or(world.n_frames(), |n| n.min(world.n_frames()));
+    for i in 0..total {
+        write(i)?;
+        if progress(Progress { done: i + 1, total }).is_break() {
+            return Ok(i + 1);
+        }
+    }
+    Ok(total)
+}
+
+fn write_frame(world: &World, i: usize, out_dir: &Path, options: &WriteOptions) -> Result<(), FileError> {
     let path = |folder: &str| out_dir.join(folder).join(format!("{i:06}.png"));
     let save = |folder: &str, image: &GrayImage| io::save_png_gray(&path(folder), image);
     if !options.masks && !options.depth {
         let images = world.images(i);
         let (left, right) = rayon::join(|| save("image_0", &images.left), || save("image_1", &images.right));
-        return Ok(left.and(right)?);
+        return left.and(right);
     }
     let StereoFrame { left, right, depth_m, labels, .. } = world.frame(i);
     let (images, truth) = rayon::join(
@@ -117,7 +94,7 @@ fn write_frame(world: &World, i: usize, out_dir: &Path, options: &WriteOptions) 
             if options.depth { io::save_png_depth(&path("depth"), &in_units(&depth_m)) } else { Ok(()) }
         },
     );
-    Ok(images.and(truth)?)
+    images.and(truth)
 }
 
 /// 16-bit depth; what is farther than it can say becomes 0.
@@ -127,10 +104,6 @@ fn in_units(depth_m: &Raster<f32>) -> DepthImage {
         if units <= f64::from(u16::MAX) { units as u16 } else { 0 }
     };
     DepthImage { width: depth_m.width, height: depth_m.height, data: depth_m.data.iter().map(unit).collect() }
-}
-
-pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
-    std::fs::write(path, text).map_err(|source| WriteError::File { path: path.to_path_buf(), source })
 }
 
 /// `P0` and `P1`, 3x4 row by row; P1's fourth number is -fx times the baseline.

@@ -2,9 +2,10 @@
 
 use crate::lens::{Lens, LensCamera};
 use crate::world::{FRAME_RATE_HZ, World};
-use crate::write::{Continue, Progress, WriteError, write_text};
+use crate::write::{Progress, each_frame};
 use geometry::{CameraModel, Distortion, KannalaBrandt, Rational, SE3, SO3, Vec3};
-use io::{StampedPose, Trajectory};
+use io::{FileError, StampedPose, Trajectory};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Time of the first frame, nanoseconds since 1970.
@@ -27,35 +28,27 @@ pub fn write_euroc(
     out_dir: &Path,
     lens: Lens,
     max_frames: Option<usize>,
-    progress: &mut dyn FnMut(Progress) -> Continue,
-) -> Result<usize, WriteError> {
-    let total = max_frames.map_or(world.n_frames(), |n| n.min(world.n_frames()));
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<usize, FileError> {
     let root = out_dir.join("mav0");
     let folders = ["cam0", "cam1"].map(|name| root.join(name));
     let truth = root.join("state_groundtruth_estimate0");
     for path in folders.iter().map(|folder| folder.join("data")).chain([truth.clone()]) {
-        std::fs::create_dir_all(&path).map_err(|source| WriteError::Folder { path, source })?;
+        io::create_output_folder(&path)?;
     }
     let cameras = lens.cameras();
     for (camera, folder) in cameras.iter().zip(&folders) {
-        write_text(&folder.join("sensor.yaml"), &sensor_yaml(camera))?;
+        io::write_atomic(&folder.join("sensor.yaml"), sensor_yaml(camera).as_bytes())?;
     }
     let rig = world.lens_rig(&cameras);
-    let mut done = 0;
-    while done < total {
-        let images = rig.images(done);
-        let save = |i: usize| {
-            io::save_png_gray(&folders[i].join("data").join(format!("{}.png", stamp(done))), &images[i])
-        };
+    let done = each_frame(world, max_frames, progress, |frame| {
+        let (images, name) = (rig.images(frame), format!("{}.png", stamp(frame)));
+        let save = |i: usize| io::save_png_gray(&folders[i].join("data").join(&name), &images[i]);
         let (left, right) = rayon::join(|| save(0), || save(1));
-        left.and(right)?;
-        done += 1;
-        if progress(Progress { done, total }) == Continue::No {
-            break;
-        }
-    }
+        left.and(right)
+    })?;
     for folder in &folders {
-        write_text(&folder.join("data.csv"), &image_list(done))?;
+        io::write_atomic(&folder.join("data.csv"), image_list(done).as_bytes())?;
     }
     io::write_euroc(&truth.join("data.csv"), &poses(world, done))?;
     Ok(done)

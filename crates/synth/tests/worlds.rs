@@ -80,7 +80,7 @@ fn the_right_image_is_the_left_one_seen_through_its_depth() {
         // Neighboring disparities, to have something worse to compare with.
         let error = |shift: f64| {
             let errors = pixels(&frame, LABEL_STATIC).into_iter().filter_map(|(x, y, z)| {
-                let u = x as f64 - rig.disparity_from_depth(z) + shift;
+                let u = x as f64 - rig.bf() / z + shift;
                 let there = bilinear(&frame.right, &Vec2::new(u, y as f64))?;
                 Some((there - f64::from(frame.left.at(x, y))).abs())
             });

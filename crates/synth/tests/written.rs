@@ -1,7 +1,8 @@
 //! What `write_kitti` leaves on disk.
 
-use dsslam_synth::{Continue, Lens, Preset, Progress, World, WriteOptions, write_euroc, write_kitti};
+use dsslam_synth::{Lens, Preset, Progress, World, WriteOptions, write_euroc, write_kitti};
 use geometry::SE3;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 fn quiet() -> World {
@@ -16,7 +17,7 @@ fn a_written_world_is_read_back_as_a_kitti_sequence() {
     let mut seen = Vec::new();
     let written = write_kitti(&world, folder.path(), &options, &mut |p| {
         seen.push(p);
-        Continue::Yes
+        ControlFlow::Continue(())
     });
     assert_eq!(written.unwrap(), 3);
     assert_eq!(seen, [1, 2, 3].map(|done| Progress { done, total: 3 }));
@@ -47,7 +48,8 @@ fn a_written_world_is_read_back_as_a_kitti_sequence() {
 fn stopping_early_leaves_a_shorter_but_whole_sequence() {
     let folder = tempfile::tempdir().unwrap();
     let options = WriteOptions { max_frames: Some(10), ..WriteOptions::default() };
-    let stop_at_two = &mut |p: Progress| if p.done == 2 { Continue::No } else { Continue::Yes };
+    let stop_at_two =
+        &mut |p: Progress| if p.done == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     assert_eq!(write_kitti(&quiet(), folder.path(), &options, stop_at_two).unwrap(), 2);
     let sequence = io::open_sequence(folder.path(), None).unwrap();
     assert_eq!((sequence.frames.len(), sequence.ground_truth.unwrap().poses.len()), (2, 2));
@@ -59,16 +61,17 @@ fn an_unwritable_place_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("occupied");
     std::fs::write(&file, "a file, not a folder").unwrap();
-    let write = |out: &Path| write_kitti(&quiet(), out, &WriteOptions::default(), &mut |_| Continue::No);
+    let write =
+        |out: &Path| write_kitti(&quiet(), out, &WriteOptions::default(), &mut |_| ControlFlow::Break(()));
     let message = write(&file).unwrap_err().to_string();
     assert!(
-        message.starts_with(&format!("{}: cannot create folder: ", file.join("image_0").display())),
+        message.starts_with(&format!("{}: cannot be written: ", file.join("image_0").display())),
         "{message}"
     );
     std::fs::create_dir_all(folder.path().join("calib.txt")).unwrap();
     let message = write(folder.path()).unwrap_err().to_string();
     assert!(
-        message.starts_with(&format!("{}: cannot write: ", folder.path().join("calib.txt").display())),
+        message.starts_with(&format!("{}: cannot be written: ", folder.path().join("calib.txt").display())),
         "{message}"
     );
 }
@@ -77,7 +80,8 @@ fn an_unwritable_place_is_named() {
 fn raw_cameras_are_written_as_an_euroc_sequence() {
     let world = quiet();
     let folder = tempfile::tempdir().unwrap();
-    let written = write_euroc(&world, folder.path(), Lens::Fisheye, Some(2), &mut |_| Continue::Yes);
+    let written =
+        write_euroc(&world, folder.path(), Lens::Fisheye, Some(2), &mut |_| ControlFlow::Continue(()));
     assert_eq!(written.unwrap(), 2);
     let sequence = io::open_sequence(folder.path(), None).unwrap();
     assert_eq!(

@@ -8,7 +8,8 @@ use io::{Stamps, TrajectoryFile, TrajectoryFormat, read_trajectory};
 
 use super::hints::{self, Named};
 use super::out::{hint, say};
-use crate::plot::{self, DriftAxis, DriftFigure, ErrorFigure, TrajectoryFigure, View};
+use crate::figures::path_figures;
+use crate::plot::{self, DriftAxis, DriftFigure};
 use crate::{
     Alignment, Association, DeltaUnit, Estimate, Evaluation, EvaluationOptions, KITTI_LENGTHS_M, LostFrames,
     PairMode, RpeOptions, Statistics, TIMESTAMP_TOLERANCE_S,
@@ -259,16 +260,10 @@ fn write_plots(folder: &Path, args: &TrajArgs, e: &Evaluation) -> Result<()> {
     let aligned = |pose: &Option<geometry::SE3>| Some(e.aligned(&pose.as_ref()?.translation));
     let estimate: Vec<_> = e.matched.est.iter().map(aligned).collect();
     let ground_truth = crate::positions(&e.matched.gt);
-    for (file, view) in [("trajectory_top", View::Top), ("trajectory_side", View::Side)] {
-        let figure = TrajectoryFigure {
-            title: title.clone(),
-            estimate: estimate.clone(),
-            ground_truth: ground_truth.clone(),
-            view,
-        };
-        plot::save(folder, file, &figure)?;
+    for (what, _, figure) in path_figures(&title, &estimate, &ground_truth) {
+        let file = if what == "error" { what.to_owned() } else { format!("trajectory_{what}") };
+        plot::save(folder, &file, &*figure)?;
     }
-    plot::save(folder, "error", &ErrorFigure::new(&title, &estimate, &ground_truth))?;
     for (file, axis, bins) in
         [("drift_length", DriftAxis::Length, &e.per_length), ("drift_speed", DriftAxis::Speed, &e.per_speed)]
     {

@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::canvas::{Anchor, Canvas, FAINT, INK};
+use super::canvas::{Anchor, Canvas, FAINT, INK, color};
 
 /// Height of a tick label, logical pixels.
 pub(crate) const SMALL: f64 = 15.0;
@@ -82,11 +82,11 @@ impl Axes {
     pub(crate) fn draw(&self, canvas: &mut Canvas, x_label: &str, y_label: &str) {
         let f = &self.frame;
         let (bottom, right) = (f.top + f.height, f.left + f.width);
-        for tick in ticks(self.x, f.width / 90.0) {
-            let (x, _) = self.at(tick.value, self.y.0);
+        for (value, label) in ticks(self.x, f.width / 90.0) {
+            let (x, _) = self.at(value, self.y.0);
             canvas.line(&[(x, f.top), (x, bottom)], FAINT, 1.0);
             canvas.line(&[(x, bottom), (x, bottom + 5.0)], INK, 1.0);
-            canvas.text(&tick.label, (x, bottom + 15.0), SMALL, Anchor::Center);
+            canvas.text(&label, (x, bottom + 15.0), SMALL, Anchor::Center);
         }
         canvas.text(x_label, (f.left + 0.5 * f.width, bottom + 37.0), NORMAL, Anchor::Center);
         self.draw_y(canvas, y_label);
@@ -97,11 +97,11 @@ impl Axes {
     /// Grid, ticks and label of the vertical axis alone (bar charts have names below).
     pub(crate) fn draw_y(&self, canvas: &mut Canvas, label: &str) {
         let f = &self.frame;
-        for tick in ticks(self.y, f.height / 45.0) {
-            let (_, y) = self.at(self.x.0, tick.value);
+        for (value, label) in ticks(self.y, f.height / 45.0) {
+            let (_, y) = self.at(self.x.0, value);
             canvas.line(&[(f.left, y), (f.left + f.width, y)], FAINT, 1.0);
             canvas.line(&[(f.left - 5.0, y), (f.left, y)], INK, 1.0);
-            canvas.text(&tick.label, (f.left - 8.0, y), SMALL, Anchor::Right);
+            canvas.text(&label, (f.left - 8.0, y), SMALL, Anchor::Right);
         }
         canvas.text_upwards(label, (f.left - 62.0, f.top + 0.5 * f.height), NORMAL);
     }
@@ -114,8 +114,13 @@ pub(crate) struct Key<'a> {
     pub(crate) width: f64,
 }
 
-/// Title and legend above the frame.
-pub(crate) fn header(canvas: &mut Canvas, width: f64, title: &str, keys: &[Key<'_>]) {
+/// Keys of curves in the colors of the palette.
+pub(crate) fn colored<'a>(names: impl Iterator<Item = &'a str>, width: f64) -> Vec<Key<'a>> {
+    names.enumerate().map(|(i, text)| Key { text, color: color(i), width }).collect()
+}
+
+/// Title and legend above the frame; returns their height.
+pub(crate) fn header(canvas: &mut Canvas, width: f64, title: &str, keys: &[Key<'_>]) -> f64 {
     let mut size = LARGE;
     while size > 10.0 && canvas.text_width(title, size) > width - 20.0 {
         size -= 1.0;
@@ -131,13 +136,14 @@ pub(crate) fn header(canvas: &mut Canvas, width: f64, title: &str, keys: &[Key<'
         canvas.text(key.text, (x + 40.0, y), NORMAL, Anchor::Left);
         x += needed;
     }
+    header_height(width, keys.iter().map(|key| key.text))
 }
 
 /// Height of one row of the legend, logical pixels.
-pub(crate) const LEGEND_ROW: f64 = 22.0;
+const LEGEND_ROW: f64 = 22.0;
 
 /// Height of the title and legend of `names`, a safe estimate before anything is drawn.
-pub(crate) fn header_height(width: f64, names: &[&str]) -> f64 {
+pub(crate) fn header_height<'a>(width: f64, names: impl Iterator<Item = &'a str>) -> f64 {
     let (mut x, mut rows) = (20.0, 1.0);
     for name in names {
         let needed = 62.0 + 0.62 * NORMAL * name.chars().count() as f64;
@@ -149,14 +155,8 @@ pub(crate) fn header_height(width: f64, names: &[&str]) -> f64 {
     44.0 + LEGEND_ROW * rows
 }
 
-/// A labeled position on an axis.
-struct Tick {
-    value: f64,
-    label: String,
-}
-
-/// About `wanted` ticks at 1, 2 or 5 times a power of ten.
-fn ticks(range: (f64, f64), wanted: f64) -> Vec<Tick> {
+/// Values and labels of about `wanted` ticks at 1, 2 or 5 times a power of ten.
+fn ticks(range: (f64, f64), wanted: f64) -> Vec<(f64, String)> {
     let raw = (range.1 - range.0) / wanted.max(1.0);
     let power = 10.0_f64.powf(raw.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].iter().map(|m| m * power).find(|s| *s >= raw).unwrap_or(10.0 * power);
@@ -165,7 +165,7 @@ fn ticks(range: (f64, f64), wanted: f64) -> Vec<Tick> {
     (first..=last)
         .map(|i| {
             let value = i as f64 * step;
-            Tick { value, label: format!("{value:.digits$}") }
+            (value, format!("{value:.digits$}"))
         })
         .collect()
 }
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
 
     fn labels(range: (f64, f64), wanted: f64) -> Vec<String> {
-        ticks(range, wanted).into_iter().map(|t| t.label).collect()
+        ticks(range, wanted).into_iter().map(|(_, label)| label).collect()
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-use super::axes::{Axes, Frame, Key, Margin, SMALL, header, header_height, range};
+use super::axes::{Axes, Frame, Margin, SMALL, colored, header, header_height, range};
 use super::canvas::{Anchor, Canvas, Figure, INK, color};
 
 /// Groups of bars.
@@ -20,18 +20,13 @@ pub struct BarFigure {
 
 impl Figure for BarFigure {
     fn size(&self) -> (u32, u32) {
-        let names: Vec<&str> = self.series.iter().map(|s| s.0.as_str()).collect();
-        (800, 400 + header_height(800.0, &names) as u32)
+        (800, 400 + header_height(800.0, self.names()) as u32)
     }
 
     fn draw(&self, canvas: &mut Canvas) -> Result<()> {
         let values = || self.series.iter().flat_map(|s| s.1.iter().flatten().copied());
         ensure!(values().next().is_some() && !self.groups.is_empty(), "no values: nothing to draw");
-        let names: Vec<&str> = self.series.iter().map(|s| s.0.as_str()).collect();
-        let keys: Vec<Key<'_>> =
-            names.iter().enumerate().map(|(i, text)| Key { text, color: color(i), width: 10.0 }).collect();
-        header(canvas, 800.0, &self.title, &keys);
-        let top = header_height(800.0, &names);
+        let top = header(canvas, 800.0, &self.title, &colored(self.names(), 10.0));
         let frame = Frame { left: 90.0, top, width: 685.0, height: 335.0 };
         let x = (0.0, self.groups.len() as f64);
         let axes = Axes { frame, x, y: range(values(), Margin::FromZero) };
@@ -52,6 +47,10 @@ impl Figure for BarFigure {
 }
 
 impl BarFigure {
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.series.iter().map(|s| s.0.as_str())
+    }
+
     /// The group's name below its bars, small enough to fit.
     fn group_name(&self, canvas: &mut Canvas, name: &str, x: f64, y: f64) {
         let space = 685.0 / self.groups.len() as f64 - 4.0;

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-use super::axes::{Axes, Frame, Key, header, header_height};
+use super::axes::{Axes, Frame, Key, header};
 use super::canvas::{Canvas, Figure, INK, PALETTE};
 use crate::consistency::{Consistency, NEES_BOUNDS};
 
@@ -35,8 +35,7 @@ impl Figure for ConsistencyFigure {
             Key { text: &names[0], color: PALETTE[1], width: 4.0 },
             Key { text: &names[1], color: INK, width: 1.5 },
         ];
-        header(canvas, width, &self.title, &keys);
-        let top = header_height(width, &names.each_ref().map(String::as_str));
+        let top = header(canvas, width, &self.title, &keys);
         let axes = Axes {
             frame: Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 },
             x: (f64::from(first.0) - 1.0, f64::from(last.0) + 1.0),

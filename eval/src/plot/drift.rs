@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
+use super::axes::{Axes, Frame, Margin, colored, header, header_height, range};
 use super::canvas::{Canvas, Figure, color};
 use crate::drift::DriftBin;
 
@@ -28,23 +28,18 @@ pub struct DriftFigure {
 
 impl Figure for DriftFigure {
     fn size(&self) -> (u32, u32) {
-        let names: Vec<&str> = self.curves.iter().map(|c| c.0.as_str()).collect();
-        (800, 640 + header_height(800.0, &names) as u32)
+        (800, 640 + header_height(800.0, self.names()) as u32)
     }
 
     fn draw(&self, canvas: &mut Canvas) -> Result<()> {
         let bins = || self.curves.iter().flat_map(|c| c.1.iter());
         ensure!(bins().next().is_some(), "no segments: no drift to draw");
-        let names: Vec<&str> = self.curves.iter().map(|c| c.0.as_str()).collect();
-        let keys: Vec<Key<'_>> =
-            names.iter().enumerate().map(|(i, text)| Key { text, color: color(i), width: 2.5 }).collect();
-        header(canvas, 800.0, &self.title, &keys);
+        let first = header(canvas, 800.0, &self.title, &colored(self.names(), 2.5));
         let x = range(bins().map(|b| b.at), Margin::Both);
         let x_label = match self.axis {
             DriftAxis::Length => "segment length [m]",
             DriftAxis::Speed => "speed [km/h]",
         };
-        let first = header_height(800.0, &names);
         self.draw_panel(canvas, first, x, (x_label, "translation error [%]"), |b| b.t_rel_percent);
         let second = first + 320.0;
         self.draw_panel(canvas, second, x, (x_label, "rotation error [deg/100 m]"), |b| b.r_rel_deg_per_100m);
@@ -53,6 +48,10 @@ impl Figure for DriftFigure {
 }
 
 impl DriftFigure {
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.curves.iter().map(|c| c.0.as_str())
+    }
+
     fn draw_panel(
         &self,
         canvas: &mut Canvas,

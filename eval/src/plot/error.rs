@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use geometry::Vec3;
 
-use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
+use super::axes::{Axes, Frame, Key, Margin, header, range};
 use super::canvas::{Canvas, Figure, INK, PALETTE};
 
 /// Position error of each frame over the true path traveled.
@@ -38,17 +38,11 @@ impl Figure for ErrorFigure {
         let rmse = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
         let (width, height) = (800.0, 420.0);
         let rmse_name = format!("RMSE {rmse:.3} m");
-        let names = ["position error", rmse_name.as_str()];
-        header(
-            canvas,
-            width,
-            &self.title,
-            &[
-                Key { text: names[0], color: PALETTE[1], width: 2.5 },
-                Key { text: names[1], color: INK, width: 1.5 },
-            ],
-        );
-        let top = header_height(width, &names);
+        let keys = [
+            Key { text: "position error", color: PALETTE[1], width: 2.5 },
+            Key { text: &rmse_name, color: INK, width: 1.5 },
+        ];
+        let top = header(canvas, width, &self.title, &keys);
         let axes = Axes {
             frame: Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 },
             x: range(self.points.iter().map(|p| p.0), Margin::Tight),

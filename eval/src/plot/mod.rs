@@ -15,4 +15,4 @@ pub use consistency::ConsistencyFigure;
 pub use drift::{DriftAxis, DriftFigure};
 pub use error::ErrorFigure;
 pub use precision_recall::PrecisionRecallFigure;
-pub use trajectory::{TrajectoryFigure, View, trajectory_png};
+pub use trajectory::{TrajectoryFigure, View};

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 
-use super::axes::{Axes, Frame, Key, header, header_height};
+use super::axes::{Axes, Frame, colored, header};
 use super::canvas::{Canvas, Figure, color};
 use crate::precision_recall::PrecisionRecallCurve;
 
@@ -24,11 +24,7 @@ impl Figure for PrecisionRecallFigure {
         ensure!(!self.curves.is_empty(), "no precision-recall curve to draw");
         let names: Vec<String> =
             self.curves.iter().map(|(name, curve)| format!("{name} (AUC {:.3})", curve.auc)).collect();
-        let keys: Vec<Key<'_>> =
-            names.iter().enumerate().map(|(i, text)| Key { text, color: color(i), width: 2.5 }).collect();
-        header(canvas, 800.0, &self.title, &keys);
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let top = header_height(800.0, &names);
+        let top = header(canvas, 800.0, &self.title, &colored(names.iter().map(String::as_str), 2.5));
         let height = 760.0 - top - 55.0;
         let frame = Frame { left: 90.0, top, width: height.min(685.0), height: height.min(685.0) };
         // From 0.5 as in the paper's figure when nothing lies below.

@@ -1,13 +1,11 @@
 //! Estimated trajectory over ground truth, from above and from the side, with equal axes.
 
-use std::path::Path;
-
 use anyhow::{Result, ensure};
-use geometry::{SE3, Vec3};
+use geometry::Vec3;
 use plotters::style::RGBColor;
 
-use super::axes::{Axes, Frame, Key, Margin, header, header_height, range};
-use super::canvas::{Canvas, Figure, INK, PALETTE, save_png};
+use super::axes::{Axes, Frame, Key, Margin, header, range};
+use super::canvas::{Canvas, Figure, INK, PALETTE};
 
 /// Above this extent (meters) a trajectory is a car's: its map is the x-z plane of the first camera.
 const OUTDOORS_M: f64 = 60.0;
@@ -68,21 +66,6 @@ pub struct TrajectoryFigure {
     pub view: View,
 }
 
-/// Draws `est` over `gt` from above (poses `world_from_cam` in one world frame, meters) as PNG at `path`; `gt` may be
-/// empty.
-///
-/// # Errors
-/// Nothing to draw, or the file cannot be written.
-pub fn trajectory_png(path: &Path, est: &[SE3], gt: &[SE3], title: &str) -> Result<()> {
-    let figure = TrajectoryFigure {
-        title: title.to_owned(),
-        estimate: est.iter().map(|pose| Some(pose.translation)).collect(),
-        ground_truth: gt.iter().map(|pose| pose.translation).collect(),
-        view: View::Top,
-    };
-    save_png(path, &figure)
-}
-
 impl TrajectoryFigure {
     fn all(&self) -> impl Iterator<Item = &Vec3> {
         self.ground_truth.iter().chain(self.estimate.iter().flatten())
@@ -128,14 +111,12 @@ impl Figure for TrajectoryFigure {
         ensure!(self.all().all(|p| p.iter().all(|v| v.is_finite())), "a position is not a finite number");
         let (width, height) = self.size();
         let (width, height) = (f64::from(width), f64::from(height));
-        let (truth, estimate) = ("ground truth", "estimate");
         let keys = [
-            Key { text: truth, color: INK, width: 5.0 },
-            Key { text: estimate, color: PALETTE[0], width: 2.5 },
+            Key { text: "ground truth", color: INK, width: 5.0 },
+            Key { text: "estimate", color: PALETTE[0], width: 2.5 },
         ];
         let shown = if self.ground_truth.is_empty() { &keys[1..] } else { &keys[..] };
-        header(canvas, width, &self.title, shown);
-        let top = header_height(width, &[truth, estimate]);
+        let top = header(canvas, width, &self.title, shown);
         let frame = Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 };
         let p = self.projection();
         let name = |axis: usize| ["x", "y", "z"][axis];

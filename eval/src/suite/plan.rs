@@ -17,7 +17,6 @@ pub struct Plan {
     /// Name of the suite.
     pub name: String,
     /// Which published baselines stand beside the results (`kitti`, `euroc`, `tum-rgbd`), if any.
-    #[serde(default)]
     pub dataset: Option<String>,
     /// Sequences, in the order of the tables' rows.
     pub sequences: Vec<SequencePlan>,
@@ -30,7 +29,6 @@ pub struct Plan {
     #[serde(default = "one")]
     pub repeats: u32,
     /// A run that takes longer is stopped and counts as failed, seconds.
-    #[serde(default)]
     pub timeout_s: Option<f64>,
     /// Segment lengths of t_rel and r_rel, meters.
     #[serde(default = "kitti_lengths")]
@@ -46,22 +44,16 @@ pub struct SequencePlan {
     /// Folder of the images.
     pub path: PathBuf,
     /// Ground truth of the dataset's body (KITTI: camera 0); by default what the program finds beside the images.
-    #[serde(default)]
     pub ground_truth: Option<PathBuf>,
     /// Stops after this many frames.
-    #[serde(default)]
     pub max_frames: Option<u32>,
     /// Which images are used, whatever the configuration says.
-    #[serde(default)]
     pub sensor: Option<Sensor>,
     /// Runs on this variant of the first `max_frames` frames.
-    #[serde(default)]
     pub variant: Option<String>,
     /// Absolute trajectory error of another program on these very frames, meters.
-    #[serde(default)]
     pub reference_ate_m: Option<f64>,
     /// `choosing`: constants may be chosen on it; `judging`: only the outcome is judged on it.
-    #[serde(default)]
     pub purpose: Option<String>,
 }
 
@@ -72,13 +64,11 @@ pub struct Configuration {
     /// Name, a column of the tables.
     pub name: String,
     /// Configuration file of the program.
-    #[serde(default)]
     pub config: Option<PathBuf>,
     /// Overrides, `key=value`.
     #[serde(default)]
     pub set: Vec<String>,
     /// Which images are used; by default what the sequence offers.
-    #[serde(default)]
     pub sensor: Option<Sensor>,
 }
 

@@ -34,7 +34,6 @@ pub struct RunRecord {
     /// Time by the clock from start to end of the program, seconds.
     pub wall_s: f64,
     /// Why the program could not compare the trajectory with the ground truth, if so.
-    #[serde(default)]
     pub evaluation_problem: Option<String>,
 }
 

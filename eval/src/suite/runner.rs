@@ -161,37 +161,27 @@ fn run_once(
 
 /// Arguments of `dsslam run` for one run.
 fn arguments(plan: &Plan, id: &RunId, folder: &Path) -> Vec<String> {
-    let text = |path: &Path| path.to_string_lossy().into_owned();
+    let text = |path: &PathBuf| path.to_string_lossy().into_owned();
+    let (sequence, configuration) = (plan.sequence(&id.sequence), plan.configuration(&id.configuration));
     let mut list = vec!["run".to_owned()];
-    if let Some(sequence) = plan.sequence(&id.sequence) {
-        list.push(text(&sequence.path));
-        if let Some(n) = sequence.max_frames {
-            list.extend(["--max-frames".to_owned(), n.to_string()]);
-        }
-        if let Some(file) = &sequence.ground_truth {
-            list.extend(["--ground-truth".to_owned(), text(file)]);
-        }
-        if let Some(variant) = &sequence.variant {
-            list.extend(["--variant".to_owned(), variant.clone()]);
-        }
-    }
-    if let Some(configuration) = plan.configuration(&id.configuration) {
-        if let Some(config) = &configuration.config {
-            list.extend(["--config".to_owned(), text(config)]);
-        }
-        let own = plan.sequence(&id.sequence).and_then(|sequence| sequence.sensor);
-        if let Some(sensor) = own.or(configuration.sensor) {
-            list.extend(["--sensor".to_owned(), sensor.to_string()]);
-        }
-        for set in &configuration.set {
-            list.extend(["--set".to_owned(), set.clone()]);
-        }
+    list.extend(sequence.map(|sequence| text(&sequence.path)));
+    let sensor = sequence.and_then(|s| s.sensor).or_else(|| configuration?.sensor);
+    let given = [
+        ("--max-frames", sequence.and_then(|s| s.max_frames).map(|n| n.to_string())),
+        ("--ground-truth", sequence.and_then(|s| s.ground_truth.as_ref()).map(text)),
+        ("--variant", sequence.and_then(|s| s.variant.clone())),
+        ("--config", configuration.and_then(|c| c.config.as_ref()).map(text)),
+        ("--sensor", sensor.map(|sensor| sensor.to_string())),
+    ];
+    let sets = configuration.iter().flat_map(|c| &c.set).map(|set| ("--set", Some(set.clone())));
+    for (name, value) in given.into_iter().chain(sets) {
+        list.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
     }
     if plan.lengths_m != KITTI_LENGTHS_M {
         let lengths: Vec<String> = plan.lengths_m.iter().map(f64::to_string).collect();
         list.extend(["--lengths".to_owned(), lengths.join(",")]);
     }
-    list.extend(["--out".to_owned(), text(folder)]);
+    list.extend(["--out".to_owned(), folder.to_string_lossy().into_owned()]);
     list
 }
 

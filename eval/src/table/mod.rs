@@ -6,6 +6,7 @@ mod runs;
 
 pub(crate) use build::value;
 pub use build::{baselines_for, metric_table};
+pub use render::csv_field;
 pub(crate) use render::escape;
 pub use runs::{runs_csv, runs_table};
 

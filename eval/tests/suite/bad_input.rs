@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use super::support::fixture;
+use super::support::{associate, fixture};
 use dsslam_eval::{
-    Alignment, Association, Estimate, Evaluation, EvaluationOptions, KITTI_LENGTHS_M, associate, ate,
-    kitti_drift,
+    Alignment, Association, Estimate, Evaluation, EvaluationOptions, KITTI_LENGTHS_M, ate, kitti_drift,
 };
 use geometry::{SE3, SO3, Vec3};
 use io::{Trajectory, read_trajectory};

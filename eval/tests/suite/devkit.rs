@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::support::{fixture, pairs, published};
-use dsslam_eval::{Alignment, Drift, KITTI_LENGTHS_M, ate, kitti_drift, kitti_drift_sparse};
+use dsslam_eval::{Alignment, Drift, KITTI_LENGTHS_M, apply_alignment, ate, kitti_drift, kitti_drift_sparse};
 use geometry::{SE3, SO3};
 
 const TOLERANCE: f64 = 1e-9;
@@ -27,7 +27,7 @@ fn line(drift: &Drift, ate_m: f64) -> Line {
 
 fn plain(gt: &Path, est: &Path, lengths: &[f64]) -> Line {
     let pairs = pairs(gt, est);
-    let drift = if pairs.n_est == pairs.n_gt {
+    let drift = if pairs.est.len() == pairs.n_gt {
         kitti_drift(&pairs.est, &pairs.gt, lengths).unwrap()
     } else {
         let truth = io::read_trajectory(gt, None).unwrap().trajectory;
@@ -51,7 +51,7 @@ fn after_sim3(gt: &Path, est: &Path) -> Line {
     let matched: Vec<SE3> = pairs.gt_indices.iter().map(|&i| all[i]).collect();
     let report = ate(&est, &matched, Alignment::Sim3).unwrap();
     let mut sparse = vec![None; all.len()];
-    for (&i, pose) in pairs.gt_indices.iter().zip(report.aligned(&est)) {
+    for (&i, pose) in pairs.gt_indices.iter().zip(apply_alignment(&report.gt_from_est, &est)) {
         sparse[i] = Some(pose);
     }
     line(&kitti_drift_sparse(&sparse, &all, &KITTI_LENGTHS_M).unwrap(), report.error_m.rmse)

@@ -2,8 +2,33 @@
 
 use std::path::{Path, PathBuf};
 
-use dsslam_eval::{Association, Pairs, associate};
-use io::{Stamps, read_trajectory};
+use anyhow::Result;
+use dsslam_eval::{Association, match_stamps};
+use geometry::SE3;
+use io::{Stamps, Trajectory, read_trajectory};
+
+/// Matched poses `world_from_cam`, in order of time.
+#[derive(Debug)]
+pub(crate) struct Pairs {
+    pub(crate) est: Vec<SE3>,
+    pub(crate) gt: Vec<SE3>,
+    /// Index of each pair in the ground truth's file.
+    pub(crate) gt_indices: Vec<usize>,
+    /// Poses in the ground truth before matching.
+    pub(crate) n_gt: usize,
+}
+
+/// Matches two trajectories.
+pub(crate) fn associate(est: &Trajectory, gt: &Trajectory, association: Association) -> Result<Pairs> {
+    let stamps = |t: &Trajectory| t.poses.iter().map(|pose| pose.timestamp_s).collect::<Vec<f64>>();
+    let pairs = match_stamps(&stamps(est), &stamps(gt), association)?;
+    Ok(Pairs {
+        est: pairs.iter().map(|&(e, _)| est.poses[e].world_from_cam).collect(),
+        gt: pairs.iter().map(|&(_, g)| gt.poses[g].world_from_cam).collect(),
+        gt_indices: pairs.iter().map(|&(_, g)| g).collect(),
+        n_gt: gt.poses.len(),
+    })
+}
 
 /// A file of `tests/fixtures`.
 pub(crate) fn fixture(name: &str) -> PathBuf {

@@ -107,7 +107,7 @@ fn what_cannot_be_viewed_is_named() {
     assert!(!folder.join("args").exists(), "the viewer was not started");
     let results = folder.join("results");
     run(&results, &["--max-frames", "3"]);
-    fs::write(results.join("frames.csv"), "frame,timestamp,state,submap,inliers,reason\n0,0.0,flying,,,\n")
+    fs::write(results.join("frames.csv"), "frame,timestamp_s,state,submap,inliers,reason\n0,0.0,flying,,,\n")
         .unwrap();
     let call = desk.view(&[text(&results)]);
     assert!(

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::bytes::{Bytes, field, record};
+
 /// A message before it is written: topic, type, time of recording, body after the header.
 pub(super) struct Message {
     pub(super) topic: &'static str,
@@ -19,35 +21,6 @@ pub(super) enum Body {
     Pose([f64; 7]),
 }
 
-/// Bytes of values in ROS 1's form or in CDR.
-#[derive(Default)]
-struct Bytes {
-    all: Vec<u8>,
-    is_cdr: bool,
-}
-
-impl Bytes {
-    fn put(&mut self, bytes: &[u8]) {
-        if self.is_cdr {
-            let at = self.all.len() - 4;
-            self.all.resize(at.next_multiple_of(bytes.len()) + 4, 0);
-        }
-        self.all.extend(bytes);
-    }
-
-    fn u32(&mut self, value: usize) {
-        self.put(&(value as u32).to_le_bytes());
-    }
-
-    fn text(&mut self, text: &str) {
-        self.u32(text.len() + usize::from(self.is_cdr));
-        self.all.extend(text.as_bytes());
-        if self.is_cdr {
-            self.all.push(0);
-        }
-    }
-}
-
 impl Message {
     pub(super) fn image(topic: &'static str, t_ns: i64, width: u32, height: u32, data: Vec<u8>) -> Self {
         let body = Body::Image(width, height, "mono8", data);
@@ -55,24 +28,12 @@ impl Message {
     }
 
     pub(super) fn bytes(&self, is_cdr: bool) -> Vec<u8> {
-        let mut of = Bytes { all: if is_cdr { vec![0, 1, 0, 0] } else { Vec::new() }, is_cdr };
-        if !is_cdr {
-            of.u32(7);
-        }
-        of.u32((self.t_ns / 1_000_000_000) as usize);
-        of.u32((self.t_ns % 1_000_000_000) as usize);
-        of.text("frame");
+        let mut of = Bytes::with_header(is_cdr, self.t_ns);
         match &self.body {
             Body::Image(width, height, encoding, data) => {
-                of.u32(*height as usize);
-                of.u32(*width as usize);
-                of.text(encoding);
-                of.all.push(0);
-                of.u32(data.len() / *height as usize);
-                of.u32(data.len());
-                of.all.extend(data);
+                of.image((*width as usize, *height as usize), encoding, data);
             }
-            Body::Pose(numbers) => numbers.iter().for_each(|number| of.put(&number.to_le_bytes())),
+            Body::Pose(numbers) => of.numbers(numbers),
         }
         of.all
     }
@@ -125,17 +86,6 @@ pub(super) fn sqlite(path: &Path, messages: &[Message]) {
             .execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (?1, ?2, ?3)", row)
             .unwrap();
     }
-}
-
-/// A field of a record's head.
-fn field(name: &str, value: &[u8]) -> Vec<u8> {
-    let length = (name.len() + 1 + value.len()) as u32;
-    [&length.to_le_bytes()[..], name.as_bytes(), b"=", value].concat()
-}
-
-fn record(head: &[Vec<u8>], data: &[u8]) -> Vec<u8> {
-    let head = head.concat();
-    [&(head.len() as u32).to_le_bytes()[..], &head, &(data.len() as u32).to_le_bytes()[..], data].concat()
 }
 
 /// Packs a chunk: its name, and how.

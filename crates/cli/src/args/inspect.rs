@@ -20,22 +20,22 @@ pub(crate) struct InspectArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Inspect {
     /// Draws the keypoints of an image.
-    #[command(after_help = help::features())]
+    #[command(after_help = help::with_codes(help::FEATURES))]
     Features(FeaturesArgs),
     /// Draws the matches of two images, inliers and outliers of one motion.
-    #[command(after_help = help::matching())]
+    #[command(after_help = help::with_codes(help::MATCHING))]
     Match(MatchArgs),
     /// Draws the disparities of a stereo frame.
-    #[command(after_help = help::stereo())]
+    #[command(after_help = help::with_codes(help::STEREO))]
     Stereo(StereoArgs),
     /// Draws the activation of an image as a heat map, with the features that a selection keeps and drops.
-    #[command(after_help = help::activation())]
+    #[command(after_help = help::with_codes(help::ACTIVATION))]
     Activation(ActivationArgs),
     /// Lists the topics of a bag (rosbag2, MCAP, ROS 1) and what a run takes of it.
-    #[command(after_help = help::bag())]
+    #[command(after_help = help::with_codes(help::BAG))]
     Bag(BagArgs),
     /// Trains, describes and converts vocabularies for place recognition.
-    #[command(after_help = help::vocab())]
+    #[command(after_help = help::with_codes(help::VOCAB))]
     Vocab(VocabArgs),
 }
 
@@ -51,10 +51,10 @@ pub(crate) struct ShellArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum ShellCommand {
     /// Prints shell completions.
-    #[command(after_help = help::completions())]
+    #[command(after_help = help::with_codes(help::COMPLETIONS))]
     Completions(CompletionsArgs),
     /// Prints the manual page, or writes the pages of all commands into a folder.
-    #[command(after_help = help::man())]
+    #[command(after_help = help::with_codes(help::MAN))]
     Man(ManArgs),
 }
 

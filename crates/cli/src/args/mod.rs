@@ -29,7 +29,7 @@ pub(crate) use vocab::{VocabAction, VocabArgs, VocabTrainArgs};
 ///
 /// Estimates the path of a camera (stereo, RGB-D or a single one) and a map of what it saw.
 #[derive(Debug, Parser)]
-#[command(name = "dsslam", version, arg_required_else_help = true, after_help = help::top(), max_term_width = 110)]
+#[command(name = "dsslam", version, arg_required_else_help = true, after_help = help::with_codes(help::TOP), max_term_width = 110)]
 pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -43,37 +43,37 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Runs SLAM on a sequence of images.
-    #[command(after_help = help::run())]
+    #[command(after_help = help::with_codes(help::RUN))]
     Run(Box<RunArgs>),
     /// Renders a street course, runs SLAM on it, prints the errors and draws the trajectory. Needs no data.
-    #[command(after_help = help::demo())]
+    #[command(after_help = help::with_codes(help::DEMO))]
     Demo(DemoArgs),
     /// Renders a street course with exact ground truth as a dataset in KITTI's or EuRoC's layout.
-    #[command(after_help = help::synth())]
+    #[command(after_help = help::with_codes(help::SYNTH))]
     Synth(SynthArgs),
     /// Shows a finished run in the Rerun viewer: trajectory, ground truth, errors, times; everything if events.dslog was written.
-    #[command(after_help = help::view())]
+    #[command(after_help = help::with_codes(help::VIEW))]
     View(ViewArgs),
     /// Evaluates trajectories and place recognition against ground truth, as tables and plots.
-    #[command(after_help = help::eval())]
+    #[command(after_help = help::with_codes(help::EVAL))]
     Eval(eval::command::EvalCommand),
     /// Prints the default configuration, checks and explains one, or shows what a calibration file says.
-    #[command(after_help = help::config())]
+    #[command(after_help = help::with_codes(help::CONFIG))]
     Config(ConfigArgs),
     /// Converts a map for other programs: point clouds, COLMAP and nerfstudio models, keyframe trajectories.
-    #[command(after_help = help::export())]
+    #[command(after_help = help::with_codes(help::EXPORT))]
     Export(ExportArgs),
     /// Looks at single stages: features, matches, disparities, activation; trains and converts vocabularies.
-    #[command(after_help = help::inspect())]
+    #[command(after_help = help::with_codes(help::INSPECT))]
     Inspect(InspectArgs),
     /// Lists the topics of a bag: the same as `dsslam inspect bag`.
     #[command(hide = true)]
     Bag(BagCommand),
     /// Lists what this machine has, what it lacks, and how to install it.
-    #[command(after_help = help::doctor())]
+    #[command(after_help = help::with_codes(help::DOCTOR))]
     Doctor(DoctorArgs),
     /// Prints completions and manual pages.
-    #[command(after_help = help::shell())]
+    #[command(after_help = help::with_codes(help::SHELL))]
     Shell(ShellArgs),
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use synth::Preset;
 
@@ -101,5 +101,6 @@ pub(crate) struct WorldArgs {
 
 /// Reads the name of a preset; `--help` lists them.
 fn preset_parser() -> impl TypedValueParser<Value = Preset> {
-    PossibleValuesParser::new(Preset::ALL.map(Preset::name)).try_map(|name| name.parse::<Preset>())
+    let possible = |preset: Preset| PossibleValue::new(preset.name()).help(preset.about());
+    PossibleValuesParser::new(Preset::ALL.map(possible)).try_map(|name| name.parse::<Preset>())
 }

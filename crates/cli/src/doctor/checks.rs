@@ -85,29 +85,24 @@ fn onnx_runtime() -> Finding {
 }
 
 fn video() -> Finding {
-    let found = ["dsslam-video", "ffmpeg"].into_iter().find_map(dsslam::find_program);
-    match found {
-        Some(program) => Finding::ok("video", program.display().to_string()),
-        None => Finding::optional(
-            "video",
-            "neither dsslam-video nor ffmpeg found: only .y4m videos can be read, no other videos and no cameras",
-            "./install.sh --video (OpenCV), or install ffmpeg",
-        ),
-    }
+    const MISSING: &str =
+        "neither dsslam-video nor ffmpeg found: only .y4m videos can be read, no other videos and no cameras";
+    one_of("video", &["dsslam-video", "ffmpeg"], MISSING, "./install.sh --video (OpenCV), or install ffmpeg")
 }
 
 fn feeder() -> Finding {
-    match dsslam::find_program("dsslam-rerun") {
-        Some(program) => Finding::ok("dsslam-rerun", program.display().to_string()),
-        None => Finding::optional(
-            "dsslam-rerun",
-            "not found: runs cannot be shown in Rerun",
-            "./install.sh --rerun",
-        ),
+    const MISSING: &str = "not found: runs cannot be shown in Rerun";
+    one_of("dsslam-rerun", &["dsslam-rerun"], MISSING, "./install.sh --rerun")
+}
+
+/// The first of programs that do the same.
+fn one_of(name: &'static str, programs: &[&str], missing: &str, remedy: &str) -> Finding {
+    match programs.iter().find_map(|program| dsslam::find_program(program)) {
+        Some(program) => Finding::ok(name, program.display().to_string()),
+        None => Finding::optional(name, missing, remedy),
     }
 }
 
-/// The viewer itself, which shows files and streams of its own version.
 fn viewer() -> Finding {
     let remedy = format!("pip install rerun-sdk=={RERUN_VERSION}");
     let Some(program) = dsslam::find_program("rerun") else {

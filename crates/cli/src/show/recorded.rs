@@ -4,31 +4,19 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use dsslam::Config;
-use eval::frames_table::cells;
+use eval::frames_table::{FrameRow, read_frames};
 use events::{
     Camera, Counts, DeltaOptions, DeltaTracker, End, FinalPose, FramePose, FrameRecord, FrameState, Pose,
     Record, StageTime, Start, Trust,
 };
-use geometry::{PoseCovariance, SE3};
+use geometry::SE3;
 use io::{StampedPose, TrajectoryFormat};
-use map::KeyframeId;
 use serde_json::Value;
 
 use super::start::position;
 use crate::outputs::{TRUTH_FILE, submap_file};
-
-/// A row of `frames.csv`.
-struct Row {
-    index: u32,
-    timestamp_s: f64,
-    state: FrameState,
-    submap: Option<u32>,
-    inliers: u32,
-    reason: String,
-    trust: Option<Trust>,
-}
 
 /// What a results folder and a map's file tell.
 ///
@@ -37,7 +25,12 @@ struct Row {
 pub(super) fn records(folder: &Path, map: Option<&Path>) -> Result<Vec<Record>> {
     let summary: Value = serde_json::from_str(&read(folder, "summary.json")?)
         .with_context(|| folder.join("summary.json").display().to_string())?;
-    let rows = rows(folder)?;
+    let file = folder.join("frames.csv");
+    let rows = read_frames(&file)?;
+    let state = |(i, row): (usize, &FrameRow)| {
+        state(row).with_context(|| format!("{} line {}", file.display(), i + 2))
+    };
+    let states = rows.iter().enumerate().map(state).collect::<Result<Vec<_>>>()?;
     let trajectory = folder.join("trajectory.kitti.txt");
     let mut poses = io::read_trajectory(&trajectory, Some(TrajectoryFormat::Kitti))?.trajectory.poses;
     ensure!(
@@ -52,38 +45,35 @@ pub(super) fn records(folder: &Path, map: Option<&Path>) -> Result<Vec<Record>> 
     if let Some(file) = map {
         let bytes = io::read_file(file).with_context(|| format!("{}: cannot be read", file.display()))?;
         let (map, _) = map::file::decode(&bytes).with_context(|| file.display().to_string())?;
-        let first = rows.first().map_or(0, |row| row.index);
+        let first = rows.first().map_or(0, |row| row.frame);
         records.push(Record::Map(DeltaTracker::new(DeltaOptions::default()).finish(&map, first)));
     }
     let mut stages = stages(folder)?;
     let mut trajectory = Vec::new();
-    for (row, pose) in rows.iter().zip(&poses) {
+    for ((row, &state), pose) in rows.iter().zip(&states).zip(&poses) {
         let world_from_cam = Pose::from(&pose.world_from_cam);
-        if row.state == FrameState::Tracked {
-            trajectory.push(FinalPose { frame: row.index, world_from_cam, submap: row.submap });
+        if state == FrameState::Tracked {
+            trajectory.push(FinalPose { frame: row.frame, world_from_cam, submap: submap(row) });
         }
-        records.push(Record::Frame(frame(
-            row,
-            world_from_cam,
-            stages.remove(&row.index).unwrap_or_default(),
-        )));
+        let stages = stages.remove(&row.frame).unwrap_or_default();
+        records.push(Record::Frame(frame(row, state, world_from_cam, stages)));
     }
     records.push(Record::End(End { trajectory, summary: table(&summary), left_out: 0 }));
     Ok(records)
 }
 
 /// Where a run has several sub-maps, each frame gets its pose from the file of its own.
-fn place_submaps(folder: &Path, rows: &[Row], poses: &mut [StampedPose]) -> Result<()> {
-    let roots: BTreeSet<u32> = rows.iter().filter_map(|row| row.submap).collect();
-    for root in roots {
-        let file = folder.join(submap_file(&KeyframeId(root).to_string()));
+fn place_submaps(folder: &Path, rows: &[FrameRow], poses: &mut [StampedPose]) -> Result<()> {
+    let roots: BTreeSet<&str> = rows.iter().map(|row| row.submap.as_str()).collect();
+    for root in roots.into_iter().filter(|root| !root.is_empty()) {
+        let file = folder.join(submap_file(root));
         if !file.is_file() {
             continue;
         }
         let own = io::read_trajectory(&file, Some(TrajectoryFormat::Tum))?.trajectory.poses;
         let own: BTreeMap<u64, &StampedPose> =
             own.iter().map(|pose| (micros(pose.timestamp_s), pose)).collect();
-        for (row, pose) in rows.iter().zip(poses.iter_mut()).filter(|(row, _)| row.submap == Some(root)) {
+        for (row, pose) in rows.iter().zip(poses.iter_mut()).filter(|(row, _)| row.submap == root) {
             if let Some(found) = own.get(&micros(row.timestamp_s)) {
                 pose.world_from_cam = found.world_from_cam;
             }
@@ -92,7 +82,7 @@ fn place_submaps(folder: &Path, rows: &[Row], poses: &mut [StampedPose]) -> Resu
     Ok(())
 }
 
-fn start(folder: &Path, summary: &Value, rows: &[Row]) -> Result<Start> {
+fn start(folder: &Path, summary: &Value, rows: &[FrameRow]) -> Result<Start> {
     let text = |key: &str| summary[key].as_str().unwrap_or("?").to_owned();
     let config = Config::load(Some(&folder.join("config.yaml")), &[])?.camera;
     let value = |number: Option<f64>| number.unwrap_or(1.0);
@@ -105,7 +95,7 @@ fn start(folder: &Path, summary: &Value, rows: &[Row]) -> Result<Start> {
     } else {
         Vec::new()
     };
-    let by_time: BTreeMap<u64, u32> = rows.iter().map(|row| (micros(row.timestamp_s), row.index)).collect();
+    let by_time: BTreeMap<u64, u32> = rows.iter().map(|row| (micros(row.timestamp_s), row.frame)).collect();
     let of_frame = |pose: &io::StampedPose| Some(position(*by_time.get(&micros(pose.timestamp_s))?, pose));
     Ok(Start {
         program_version: text("version"),
@@ -126,62 +116,29 @@ fn micros(seconds: f64) -> u64 {
     (seconds * 1e6).round().max(0.0) as u64
 }
 
-fn frame(row: &Row, world_from_cam: Pose, stages: Vec<StageTime>) -> FrameRecord {
+fn frame(row: &FrameRow, state: FrameState, world_from_cam: Pose, stages: Vec<StageTime>) -> FrameRecord {
     let cam_from_keyframe = Pose::from(&SE3::identity());
     let pose = FramePose { keyframe: None, cam_from_keyframe, scale: 1.0, world_from_cam };
+    let is_tracked = state == FrameState::Tracked;
     FrameRecord {
-        index: row.index,
+        index: row.frame,
         timestamp_s: row.timestamp_s,
-        state: row.state,
+        state,
         reason: row.reason.clone(),
-        pose: (row.state == FrameState::Tracked).then_some(pose),
-        trust: row.trust,
+        pose: is_tracked.then_some(pose),
+        trust: row.quality.filter(|_| is_tracked).map(|quality| Trust::new(quality, row.covariance.as_ref())),
         counts: Counts { inliers: row.inliers, ..Counts::default() },
         stages,
     }
 }
 
-/// `frames.csv`.
-fn rows(folder: &Path) -> Result<Vec<Row>> {
-    let name = "frames.csv";
-    let row = |line: &str| -> Result<Row> {
-        let cells = cells(line);
-        let [index, time, state, submap, inliers, reason, ..] = &cells[..] else {
-            bail!("{} cells, expected at least 6", cells.len())
-        };
-        let state = match state.as_str() {
-            "tracked" => FrameState::Tracked,
-            "not_ready" => FrameState::NotReady,
-            "lost" => FrameState::Lost,
-            "dropped" => FrameState::Dropped,
-            other => bail!("state `{other}`, expected tracked, not_ready, lost or dropped"),
-        };
-        Ok(Row {
-            index: index.parse().with_context(|| format!("frame `{index}`"))?,
-            timestamp_s: time.parse().with_context(|| format!("time `{time}`"))?,
-            state,
-            submap: submap.strip_prefix('K').and_then(|id| id.parse().ok()),
-            inliers: inliers.parse().unwrap_or(0),
-            reason: reason.clone(),
-            trust: trust(&cells).filter(|_| state == FrameState::Tracked),
-        })
-    };
-    let text = read(folder, name)?;
-    let lines = text.lines().enumerate().skip(1);
-    lines
-        .map(|(i, line)| row(line).with_context(|| format!("{} line {}", folder.join(name).display(), i + 1)))
-        .collect()
+fn state(row: &FrameRow) -> Result<FrameState> {
+    let expected = || format!("state `{}`, expected tracked, not_ready, lost or dropped", row.state);
+    FrameState::of_key(&row.state).with_context(expected)
 }
 
-/// Of the cells behind the reason; tables of older versions have none.
-fn trust(cells: &[String]) -> Option<Trust> {
-    let quality = cells.get(6)?.parse().ok()?;
-    let numbers = cells.get(9..9 + PoseCovariance::N)?;
-    let numbers: Option<Vec<f64>> = numbers.iter().map(|cell| cell.parse().ok()).collect();
-    let triangle = numbers.and_then(|numbers| <[f64; PoseCovariance::N]>::try_from(numbers).ok());
-    let covariance = triangle.and_then(|triangle| PoseCovariance::of_triangle(&triangle));
-    let sigma = covariance.map(|c| [c.sigma_m().max() as f32, c.sigma_deg().max() as f32]);
-    Some(Trust { quality, sigma })
+fn submap(row: &FrameRow) -> Option<u32> {
+    row.submap.strip_prefix('K')?.parse().ok()
 }
 
 /// `timings.csv` by frame.

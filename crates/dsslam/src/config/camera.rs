@@ -30,7 +30,6 @@ impl Config {
     /// Replaces the camera by that of the dataset. Returns a notice for each value that was given and is replaced.
     pub fn apply_calibration(&mut self, calibration: &Calibration) -> Vec<String> {
         let Calibration { rig: StereoRig { camera, baseline_m }, distortion, source } = calibration;
-        let mut notices = Vec::new();
         let target = &mut self.camera;
         let optional = [
             ("camera.fx", &mut target.fx, camera.fx),
@@ -46,43 +45,33 @@ impl Config {
             ("camera.p2", &mut target.p2, distortion.p2),
             ("camera.k3", &mut target.k3, distortion.k3),
         ];
-        let mut changed = Vec::new();
-        for (key, value, new) in optional {
-            // A monocular dataset gives no baseline.
-            if key == "camera.baseline_m" && new <= 0.0 {
-                continue;
-            }
-            let old = value.replace(new);
-            changed.push((key, old, new));
-        }
-        for (key, value, new) in plain {
-            let old = std::mem::replace(value, new);
-            changed.push((key, Some(old), new));
-        }
-        for (key, old, new) in changed {
-            let place = self.origins.set(key, Provenance::Calibration(source.clone()));
-            if let (Some(old), Some(place)) = (old.filter(|old| *old != new), place) {
-                notices.push(format!("{key} = {old} ({place}) is replaced by {new} from {source}"));
-            }
-        }
-        notices
+        // A monocular dataset gives no baseline.
+        let is_given = |key: &str, new: f64| key != "camera.baseline_m" || new > 0.0;
+        let optional = optional.into_iter().filter(|(key, _, new)| is_given(key, *new));
+        let changed: Vec<(&str, Option<f64>, f64)> = optional
+            .map(|(key, value, new)| (key, value.replace(new), new))
+            .chain(plain.map(|(key, value, new)| (key, Some(std::mem::replace(value, new)), new)))
+            .collect();
+        let notices = changed.into_iter();
+        notices.filter_map(|(key, old, new)| self.note_replaced(key, old, new, source)).collect()
     }
 
     /// Takes over the frame rate that a calibration file of the dataset gives; a notice if another one was given.
     pub fn apply_frame_rate(&mut self, frame_rate_hz: f64, source: &str) -> Option<String> {
         let old = std::mem::replace(&mut self.camera.fps, frame_rate_hz);
-        self.note_replaced("camera.fps", old, frame_rate_hz, source)
+        self.note_replaced("camera.fps", Some(old), frame_rate_hz, source)
     }
 
     /// Takes over the value of a depth image at one meter that the dataset gives; a notice if another one was given.
     pub fn apply_depth_units(&mut self, units_per_meter: f64, source: &str) -> Option<String> {
         let old = std::mem::replace(&mut self.camera.depth_units_per_metre, units_per_meter);
-        self.note_replaced("camera.depth_units_per_metre", old, units_per_meter, source)
+        self.note_replaced("camera.depth_units_per_metre", Some(old), units_per_meter, source)
     }
 
-    fn note_replaced(&mut self, key: &str, old: f64, new: f64, source: &str) -> Option<String> {
+    fn note_replaced(&mut self, key: &str, old: Option<f64>, new: f64, source: &str) -> Option<String> {
         let place = self.origins.set(key, Provenance::Calibration(source.to_string()))?;
-        (old != new).then(|| format!("{key} = {old} ({place}) is replaced by {new} from {source}"))
+        old.filter(|old| *old != new)
+            .map(|old| format!("{key} = {old} ({place}) is replaced by {new} from {source}"))
     }
 
     /// The camera in force; for a dataset with a calibration file call [`Config::apply_calibration`] first.

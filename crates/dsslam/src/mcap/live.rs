@@ -2,7 +2,6 @@
 //! files, except with live schedules.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use features::Rig;
 use geometry::{PoseCovariance, SE3};
@@ -34,8 +33,6 @@ pub struct McapRecorder {
     sensor: Sensor,
     rig: Rig,
     names: MapNames,
-    /// What tracking told of the frame whose details come next.
-    answer: Option<FrameAnswer>,
     odom_from_cam: SE3,
     frames: Vec<Place>,
     /// Frames that may have become keyframes.
@@ -75,7 +72,6 @@ impl McapRecorder {
             sensor: session.input().sequence().sensor,
             rig: (*session.setup().rig).clone(),
             names: MapNames::default(),
-            answer: None,
             odom_from_cam: SE3::identity(),
             frames: Vec::new(),
             asked: Vec::new(),
@@ -120,10 +116,11 @@ impl McapRecorder {
     fn write_frame(
         &mut self,
         sink: &mut Sink,
-        (answer, world_from_cam): (&FrameAnswer, SE3),
+        world_from_cam: SE3,
         details: &FrameDetails,
     ) -> Result<(), FileError> {
-        let (map, t_ns) = (&details.world.map, self.clock.nanoseconds(answer.timestamp_s));
+        let (answer, map) = (&details.answer, &details.world.map);
+        let t_ns = self.clock.nanoseconds(answer.timestamp_s);
         self.find_keyframes(map);
         let motion = self.motion(answer, t_ns);
         if let Some(motion) = &motion {
@@ -214,19 +211,11 @@ impl Observer for McapRecorder {
     }
 
     fn event(&mut self, event: &Event) {
-        match event {
-            Event::Frame(answer) => self.answer = Some(answer.as_ref().clone()),
-            Event::Details(details) => self.details(details),
-            _ => {}
-        }
-    }
-}
-
-impl McapRecorder {
-    fn details(&mut self, details: &Arc<FrameDetails>) {
+        let Event::Details(details) = event else { return };
         self.shades.see(details);
-        let Some(answer) = self.answer.take().filter(|answer| answer.status.has_pose()) else { return };
-        let Some(world_from_cam) = answer.world_from_cam else { return };
-        self.guard(|recorder, sink| recorder.write_frame(sink, (&answer, world_from_cam), details));
+        let answer = &details.answer;
+        if let Some(world_from_cam) = answer.world_from_cam.filter(|_| answer.status.has_pose()) {
+            self.guard(|recorder, sink| recorder.write_frame(sink, world_from_cam, details));
+        }
     }
 }

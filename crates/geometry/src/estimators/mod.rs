@@ -1,12 +1,10 @@
 //! Ready estimators for [`crate::ransac`].
 
-mod alignment;
 mod fundamental;
 mod homography;
 mod pnp;
 mod similarity;
 
-pub use alignment::AlignmentEstimator;
 pub use fundamental::FundamentalEstimator;
 pub use homography::HomographyEstimator;
 pub use pnp::PnpEstimator;

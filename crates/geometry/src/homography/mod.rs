@@ -7,8 +7,6 @@ pub use decompose::{PlanarMotion, decompose_homography};
 
 use crate::aliases::{Mat3, Vec2, Vec3};
 use crate::fundamental::normalization;
-use crate::pinhole::Pinhole;
-use crate::se3::SE3;
 use crate::svd::{RightSvd, triangular_factor};
 use nalgebra::{OMatrix, RowSVector, U9};
 
@@ -40,22 +38,6 @@ impl Homography {
         }
         let b_from_a = scaled * determinant.signum();
         Some(Self { b_from_a, a_from_b: b_from_a.try_inverse()? })
-    }
-
-    /// The homography that a plane induces, of which camera a sees the points `x` with `normal_a . x = distance`.
-    ///
-    /// `normal_a` has length one, `distance` and the translation are in meters; Hartley and Zisserman, equation 13.2. `None` when a
-    /// camera lies in the plane.
-    #[must_use]
-    pub fn of_plane(
-        camera_a: &Pinhole,
-        camera_b: &Pinhole,
-        b_from_a: &SE3,
-        normal_a: &Vec3,
-        distance: f64,
-    ) -> Option<Self> {
-        let calibrated = b_from_a.rotation.matrix() + b_from_a.translation * normal_a.transpose() / distance;
-        Self::new(&(camera_b.matrix() * calibrated * camera_a.matrix().try_inverse()?))
     }
 
     /// The matrix that maps homogeneous pixels of image a to those of image b.

@@ -43,7 +43,7 @@ proptest! {
         let depth = RIG.depth_from_disparity(seen.x - seen.z);
         prop_assert!((depth - p.z).abs() < 1e-10 * p.z * p.z.max(1.0));
         assert_close!(RIG.unproject(seen.x, seen.y, p.z), p, 1e-11);
-        prop_assert!((RIG.disparity_from_depth(p.z) - (seen.x - seen.z)).abs() < 1e-9);
+        prop_assert!((RIG.bf() / p.z - (seen.x - seen.z)).abs() < 1e-9);
         // The right camera is the left one, moved.
         let right = CAMERA.project(&(p - Vec3::new(RIG.baseline_m, 0.0, 0.0)));
         assert_close!(right, Vec2::new(seen.z, seen.y), 1e-9);

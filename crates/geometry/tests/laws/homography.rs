@@ -28,7 +28,7 @@ impl Plane {
     }
 
     fn homography(&self) -> Homography {
-        Homography::of_plane(&CAMERA, &OTHER, &self.b_from_a, &self.normal_a, self.distance).expect("a plane")
+        of_plane(&CAMERA, &OTHER, &self.b_from_a, &self.normal_a, self.distance).expect("a plane")
     }
 
     /// Pixels of random points of the plane in both images.
@@ -42,6 +42,12 @@ impl Plane {
         };
         (0..n).map(pair).unzip()
     }
+}
+
+/// The homography that the plane `normal_a . x = distance` induces (Hartley and Zisserman, equation 13.2).
+fn of_plane(a: &Pinhole, b: &Pinhole, b_from_a: &SE3, normal_a: &Vec3, distance: f64) -> Option<Homography> {
+    let calibrated = b_from_a.rotation.matrix() + b_from_a.translation * normal_a.transpose() / distance;
+    Homography::new(&(b.matrix() * calibrated * a.matrix().try_inverse()?))
 }
 
 /// Largest difference between two homographies in what they do with an image, pixels.
@@ -154,17 +160,14 @@ fn pairs_that_determine_nothing_are_refused() {
     broken[2].y = f64::NAN;
     assert!(estimate_homography(&broken, &b, None).is_none(), "not a number");
     assert!(Homography::new(&Mat3::zeros()).is_none() && Homography::new(&Mat3::from_element(1.0)).is_none());
-    assert!(
-        Homography::of_plane(&CAMERA, &CAMERA, &SE3::new(SO3::identity(), -Vec3::z()), &Vec3::z(), 1.0)
-            .is_none()
-    );
+    assert!(of_plane(&CAMERA, &CAMERA, &SE3::new(SO3::identity(), -Vec3::z()), &Vec3::z(), 1.0).is_none());
 }
 
 #[test]
 fn what_comes_to_lie_behind_the_camera_is_not_transferred() {
     // Half a turn about y: the image shows what is behind.
     let behind = SE3::new(SO3::exp(&Vec3::new(0.0, 3.0, 0.0)), Vec3::zeros());
-    let turned = Homography::of_plane(&CAMERA, &CAMERA, &behind, &Vec3::z(), 1.0).expect("a turn");
+    let turned = of_plane(&CAMERA, &CAMERA, &behind, &Vec3::z(), 1.0).expect("a turn");
     let pixel = Vec2::new(600.0, 180.0);
     assert_eq!(turned.transfer(&pixel), None);
     assert_eq!(turned.transfer_errors_sq(&pixel, &pixel), [f64::INFINITY; 2]);
@@ -192,13 +195,13 @@ proptest! {
         // Both cameras on the same side, the second not on the plane; a motion at all.
         prop_assume!(1.0 + normal_a.dot(&(unit.rotation.inverse() * shift)) > 0.1 && shift.norm() > 0.01);
         let b_from_a = SE3::new(unit.rotation, shift * distance);
-        let homography = Homography::of_plane(&CAMERA, &OTHER, &b_from_a, &normal_a, distance).expect("a plane");
+        let homography = of_plane(&CAMERA, &OTHER, &b_from_a, &normal_a, distance).expect("a plane");
         let found = decompose_homography(&homography, &CAMERA, &OTHER).expect("four motions");
         // The angle between double solutions grows with the root of the rounding.
         prop_assert!(nearest(&found, &unit, &normal_a) < 1e-4);
         for motion in found {
             prop_assert!((motion.normal_a.norm() - 1.0).abs() < 1e-12);
-            let again = Homography::of_plane(&CAMERA, &OTHER, &motion.b_from_a, &motion.normal_a, 1.0);
+            let again = of_plane(&CAMERA, &OTHER, &motion.b_from_a, &motion.normal_a, 1.0);
             assert_close!(again.expect("a plane").matrix(), homography.matrix(), 1e-9);
         }
     }
@@ -207,7 +210,7 @@ proptest! {
 #[test]
 fn moving_straight_at_the_plane_has_one_solution_twice() {
     let b_from_a = SE3::new(SO3::identity(), Vec3::new(0.0, 0.0, -0.25));
-    let homography = Homography::of_plane(&CAMERA, &CAMERA, &b_from_a, &Vec3::z(), 1.0).expect("a plane");
+    let homography = of_plane(&CAMERA, &CAMERA, &b_from_a, &Vec3::z(), 1.0).expect("a plane");
     let found = decompose_homography(&homography, &CAMERA, &CAMERA).expect("four motions");
     assert!(nearest(&found, &b_from_a, &Vec3::z()) < 1e-7);
     let (angle, distance) = motion_error(&found[0].b_from_a, &found[2].b_from_a);
@@ -218,7 +221,7 @@ fn moving_straight_at_the_plane_has_one_solution_twice() {
 fn a_mere_turn_has_no_plane() {
     for turn in [Vec3::zeros(), Vec3::new(0.1, -0.2, 0.3)] {
         let b_from_a = SE3::new(SO3::exp(&turn), Vec3::zeros());
-        let homography = Homography::of_plane(&CAMERA, &OTHER, &b_from_a, &Vec3::z(), 1.0).expect("a turn");
+        let homography = of_plane(&CAMERA, &OTHER, &b_from_a, &Vec3::z(), 1.0).expect("a turn");
         assert_eq!(decompose_homography(&homography, &CAMERA, &OTHER), None);
     }
 }

@@ -1,5 +1,6 @@
 //! Laws, known answers and metamorphic tests of the whole crate, through its public interface.
 
+mod alignment;
 mod camera_models;
 mod cameras;
 mod epipolar;

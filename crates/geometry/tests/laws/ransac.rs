@@ -1,12 +1,13 @@
 //! Robust estimation with outliers and weights.
 
+use crate::alignment::AlignmentEstimator;
 use crate::assert_close;
 use crate::support::{
     CAMERA, generator, motion_error, noise, random_motion, random_pixel, random_vec3, random_visible_point,
 };
 use dsslam_geometry::{
-    AlignmentEstimator, Estimator, FundamentalEstimator, PnpEstimator, RansacOptions, SE3, SightedPoints,
-    Sim3, SimilarityEstimator, Vec2, Vec3, ransac, sampson_error_sq,
+    Estimator, FundamentalEstimator, PnpEstimator, RansacOptions, SE3, SightedPoints, Sim3,
+    SimilarityEstimator, Vec2, Vec3, ransac, sampson_error_sq,
 };
 
 /// Matches of one camera; every match whose index is below `n_outliers` is wrong.
@@ -139,7 +140,10 @@ fn weights_decide_between_two_consistent_groups() {
     // 40 points follow one motion and 20 the other.
     let dst: Vec<_> = src.iter().enumerate().map(|(i, p)| if i < 40 { one * p } else { other * p }).collect();
     let estimator = AlignmentEstimator::new(&src, &dst, false, 0.01);
-    let run = |weights: Option<&[f64]>| ransac(&estimator, weights, &options(2, 3)).unwrap().model.to_se3();
+    let run = |weights: Option<&[f64]>| {
+        let model = ransac(&estimator, weights, &options(2, 3)).unwrap().model;
+        SE3::new(model.rotation, model.translation)
+    };
     let trust: Vec<f64> = (0..60).map(|i| if i < 40 { 0.1 } else { 1.0 }).collect();
     assert!(motion_error(&run(None), &one).0 < 1e-6);
     assert!(motion_error(&run(Some(&trust)), &other).0 < 1e-6);

@@ -62,7 +62,7 @@ fn raw_pixels_of_a_point_are_sources_of_one_row() {
     let point_left = rectified_from_left.inverse() * (rig.camera.unproject(&pixel) * depth);
     let raw = source(&EUROC_LEFT, &rectified_from_left, &rig.camera, &pixel);
     assert!((EUROC_LEFT.project(&point_left) - raw).norm() < 1e-9);
-    let other = pixel - Vec2::new(rig.disparity_from_depth(depth), 0.0);
+    let other = pixel - Vec2::new(rig.bf() / depth, 0.0);
     let raw = source(&EUROC_RIGHT, &rectified_from_right, &rig.camera, &other);
     assert!((EUROC_RIGHT.project(&(motion * point_left)) - raw).norm() < 1e-9);
 }

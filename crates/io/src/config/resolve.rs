@@ -11,7 +11,7 @@ use super::origins::Origins;
 use super::problem::{ConfigErrors, Problem, Provenance};
 use super::source::Given;
 use super::suggest;
-use super::value::Value;
+use crate::document::Value;
 
 /// Checks everything given, then fills the typed structure; `problems` are those of reading.
 pub(super) fn resolve<T: Default + Serialize + DeserializeOwned>(

@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use super::problem::{Problem, Provenance};
-use super::value::Value;
-use crate::document::{Node, SyntaxError, Value as Parsed, parse_yaml};
+use crate::document::{Node, SyntaxError, Value, parse_yaml};
 use crate::file::TextFile;
 
 /// A key with its value, as given.
@@ -55,7 +54,7 @@ pub(super) fn read_override(argument: &str, problems: &mut Vec<Problem>) -> Opti
         problems.push(Problem::new(&place, "", "no `=`", "key=value, such as features.keep=500"));
         return None;
     };
-    let value = parse_yaml(text).ok().and_then(|node| scalar(node.value));
+    let value = parse_yaml(text).ok().map(|node| node.value).filter(Value::is_scalar);
     let value = value.unwrap_or_else(|| Value::Text(text.to_string()));
     Some(Given { key: key.trim().to_string(), value, place })
 }
@@ -65,37 +64,21 @@ fn flatten(path: &Path, key: &str, node: Node, given: &mut Vec<Given>, problems:
     let place = file_place(path, node.line, node.column);
     match node.value {
         // An empty file is a configuration without wishes.
-        Parsed::Nothing if key.is_empty() => {}
-        Parsed::List(_) => {
-            problems.push(Problem::new(&place, key, "a list", "one value or a section with keys"));
+        Value::Nothing if key.is_empty() => {}
+        list @ Value::List(_) => {
+            problems.push(Problem::new(&place, key, list, "one value or a section with keys"));
         }
-        Parsed::Section(entries) => {
+        Value::Section(entries) => {
             for (name, value) in entries {
                 let key = if key.is_empty() { name } else { format!("{key}.{name}") };
                 flatten(path, &key, value, given, problems);
             }
         }
-        other => {
-            let Some(value) = scalar(other) else { return };
-            if key.is_empty() {
-                problems.push(Problem::new(&place, "", value, "sections with keys"));
-            } else {
-                given.push(Given { key: key.to_string(), value, place });
-            }
+        value if key.is_empty() => {
+            problems.push(Problem::new(&place, "", value, "sections with keys"));
         }
+        value => given.push(Given { key: key.to_string(), value, place }),
     }
-}
-
-/// A value of the configuration; none of a list or a section.
-fn scalar(value: Parsed) -> Option<Value> {
-    Some(match value {
-        Parsed::Nothing => Value::Nothing,
-        Parsed::Flag(flag) => Value::Flag(flag),
-        Parsed::Integer(integer) => Value::Integer(integer),
-        Parsed::Real(real) => Value::Real(real),
-        Parsed::Text(text) => Value::Text(text),
-        Parsed::List(_) | Parsed::Section(_) => return None,
-    })
 }
 
 fn file_place(path: &Path, line: u64, column: u64) -> Provenance {

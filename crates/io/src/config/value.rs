@@ -1,26 +1,18 @@
-//! A value as somebody gave it.
+//! A value of the configuration as somebody gave it.
 
 use std::fmt;
 
 use serde_json::Value as Json;
 use settings::{Entry, Kind};
 
-/// A value of the configuration.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
-    /// Nothing stands there.
-    Nothing,
-    /// A truth value.
-    Flag(bool),
-    /// A whole number.
-    Integer(i64),
-    /// Any other number.
-    Real(f64),
-    /// Anything else.
-    Text(String),
-}
+use crate::document::Value;
 
 impl Value {
+    /// Whether it is one value.
+    pub(super) fn is_scalar(&self) -> bool {
+        !matches!(self, Self::List(_) | Self::Section(_))
+    }
+
     /// The whole number that it is, however it is written (`500.0`, `5e2`).
     fn as_integer(&self) -> Option<i64> {
         /// Beyond it a real number does not tell one whole number from the next.
@@ -64,6 +56,8 @@ impl From<&Value> for Json {
             Value::Integer(integer) => Self::from(*integer),
             Value::Real(real) => Self::from(*real),
             Value::Text(text) => Self::String(text.clone()),
+            // No key takes them.
+            Value::List(_) | Value::Section(_) => Self::Null,
         }
     }
 }
@@ -76,6 +70,8 @@ impl fmt::Display for Value {
             Self::Integer(integer) => write!(f, "{integer}"),
             Self::Real(real) => write!(f, "{real:?}"),
             Self::Text(text) => write!(f, "{text:?}"),
+            Self::List(_) => write!(f, "a list"),
+            Self::Section(_) => write!(f, "a section"),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What can be wrong with a dataset as a whole.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use geometry::RectificationError;
 
@@ -147,8 +147,13 @@ pub enum DatasetError {
 }
 
 impl DatasetError {
+    /// A sensor that is not possible with what lies at `path`.
+    pub fn unavailable(path: &Path, sensor: Sensor, reason: impl Into<String>) -> Self {
+        Self::SensorUnavailable { path: path.to_path_buf(), sensor, reason: reason.into() }
+    }
+
     /// The parser's error for this file.
-    pub(crate) fn syntax(path: &std::path::Path, error: SyntaxError) -> Self {
+    pub(crate) fn syntax(path: &Path, error: SyntaxError) -> Self {
         let SyntaxError { line, format, message, .. } = error;
         Self::Syntax { path: path.to_path_buf(), line, format, message }
     }

@@ -85,7 +85,7 @@ impl Given {
         }
         if wanted == Some(Sensor::Stereo) {
             let reason = format!("{} describes a single camera", file.source());
-            return Err(DatasetError::SensorUnavailable { path: dir.to_path_buf(), sensor, reason });
+            return Err(DatasetError::unavailable(dir, sensor, reason));
         }
         warnings.push(format!("{}: describes a single camera, so the run is monocular", file.source()));
         Ok(Some((Sensor::Mono, file.in_body(Sensor::Mono, images)?)))

@@ -175,10 +175,8 @@ fn choose_images(
     warnings: &mut Vec<String>,
 ) -> Result<Images, DatasetError> {
     let root = &variant.root;
-    let unavailable =
-        |sensor, reason: String| Err(DatasetError::SensorUnavailable { path: root.clone(), sensor, reason });
     if wanted == Some(Sensor::Rgbd) {
-        return unavailable(Sensor::Rgbd, "KITTI folders contain no depth images".to_string());
+        return Err(DatasetError::unavailable(root, Sensor::Rgbd, "KITTI folders contain no depth images"));
     }
     let mut listed = Vec::new();
     for pair in variant.pairs {
@@ -199,7 +197,9 @@ fn choose_images(
     let images = Images { sensor: Sensor::Mono, ..listed.swap_remove(mono) };
     let right_folder = images.pair.folders[1];
     match wanted {
-        Some(Sensor::Stereo) => unavailable(Sensor::Stereo, format!("found no image in {right_folder}")),
+        Some(Sensor::Stereo) => {
+            Err(DatasetError::unavailable(root, Sensor::Stereo, format!("found no image in {right_folder}")))
+        }
         None => {
             let folder = root.join(right_folder);
             warnings.push(format!("{}: found no image, so the run is monocular", folder.display()));
@@ -251,14 +251,9 @@ fn end_at_last_pair(
     let end = u32::try_from(n_frames).unwrap_or(u32::MAX);
     let last_pair = (0..end).rev().find(|&number| images.left.has(number) && images.right.has(number));
     let Some(last_pair) = last_pair else {
-        return Err(DatasetError::SensorUnavailable {
-            path: dir.to_path_buf(),
-            sensor: Sensor::Stereo,
-            reason: format!(
-                "no image number occurs in both {} and {}",
-                images.pair.folders[0], images.pair.folders[1]
-            ),
-        });
+        let [left, right] = images.pair.folders;
+        let reason = format!("no image number occurs in both {left} and {right}");
+        return Err(DatasetError::unavailable(dir, Sensor::Stereo, reason));
     };
     let n_pairs = last_pair as usize + 1;
     if n_pairs < n_frames {

@@ -32,7 +32,7 @@ pub use camera_file::{CameraFile, read_calibration};
 pub use error::DatasetError;
 pub use layout::{SequenceKind, layout_of};
 pub use raw::{RawCalibration, RawCamera, RectifiedView};
-pub use stamps::seconds;
+pub use stamps::{nanoseconds_of, seconds};
 pub use variant::{Variant, VariantError};
 pub use video::{Video, open_cameras, open_video};
 

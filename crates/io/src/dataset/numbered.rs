@@ -1,10 +1,9 @@
 //! A folder of images whose names are numbers (`000000.png`), KITTI's layout.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::file::FileError;
+use crate::file::{FileError, entries};
 use crate::images::IMAGE_ENDINGS;
 
 /// The numbered images of a folder.
@@ -75,17 +74,7 @@ impl NumberedImages {
 /// The files of a folder whose names are a number and one of these endings; none where there is no such folder.
 pub(super) fn list_numbered(folder: &Path, endings: &[&str]) -> Result<BTreeMap<u32, PathBuf>, FileError> {
     let mut files = BTreeMap::new();
-    if !folder.is_dir() {
-        return Ok(files);
-    }
-    let unreadable = |error: std::io::Error| FileError::Unreadable {
-        path: folder.to_path_buf(),
-        reason: error.to_string(),
-    };
-    let mut paths = Vec::new();
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        paths.push(entry.map_err(unreadable)?.path());
-    }
+    let mut paths = entries(folder)?;
     // In reverse, so that of two files with one number the first by name wins (000000.jpeg, .jpg, .png).
     paths.sort();
     for path in paths.into_iter().rev() {

@@ -27,7 +27,7 @@ pub(crate) fn nanoseconds(seconds: f64) -> i64 {
 }
 
 /// Seconds as text (`1305031452.791720`, `1.5e-1`) in nanoseconds, without the rounding of a double where it is written in full.
-pub(crate) fn parse(text: &str) -> Option<i64> {
+pub fn nanoseconds_of(text: &str) -> Option<i64> {
     let number: f64 = text.parse().ok().filter(|number: &f64| number.is_finite() && number.abs() < 9.2e9)?;
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
     let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
@@ -45,7 +45,7 @@ fn parse_date(text: &str) -> Option<i64> {
     let (year, month, day) = (numbers.next()??, numbers.next()??, numbers.next()??);
     let mut parts = time.trim().trim_end_matches('Z').splitn(3, ':');
     let (hours, minutes): (i64, i64) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
-    let rest = parse(parts.next()?)?;
+    let rest = nanoseconds_of(parts.next()?)?;
     let is_date = (1970..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
     let is_time = (0..24).contains(&hours) && (0..60).contains(&minutes) && (0..61 * SECOND).contains(&rest);
     if !(is_date && is_time) {
@@ -68,7 +68,7 @@ pub(super) fn of_name(stem: &str) -> Option<i64> {
         (18 | 19, "") => whole.parse().ok(),
         (16, "") => whole.parse::<i64>().ok()?.checked_mul(1_000),
         (13, "") => whole.parse::<i64>().ok()?.checked_mul(1_000_000),
-        (1..=10, fraction) if is_number(fraction) && fraction.len() >= 3 => parse(stem),
+        (1..=10, fraction) if is_number(fraction) && fraction.len() >= 3 => nanoseconds_of(stem),
         _ => None,
     }
 }
@@ -82,7 +82,7 @@ pub(super) fn of_names<'a>(stems: impl Iterator<Item = &'a str>) -> Option<Vec<i
 /// The time in a field of a line, in seconds.
 pub(super) fn of_field(line: &Line<'_>, field: &str) -> Result<i64, FileError> {
     line.number(field)?;
-    parse(field).ok_or_else(|| {
+    nanoseconds_of(field).ok_or_else(|| {
         let expected = "seconds (nanoseconds have their place in EuRoC's and VSLAM-LAB's lists)";
         line.error(shown(field), expected)
     })
@@ -190,13 +190,13 @@ mod tests {
             ("1.036224e-01", 103_622_400),
             ("-0.5", -500_000_000),
         ] {
-            assert_eq!(parse(text), Some(ns), "{text}");
+            assert_eq!(nanoseconds_of(text), Some(ns), "{text}");
         }
         for text in ["", "x", "nan", "1403636579763555584", "1e300"] {
-            assert_eq!(parse(text), None, "{text}");
+            assert_eq!(nanoseconds_of(text), None, "{text}");
         }
         for text in ["1305031452.791720", "1.234567", "5.186880e+00", "0.1", "1403636579.763555584"] {
-            assert_eq!(seconds(parse(text).unwrap()), text.parse::<f64>().unwrap(), "{text}");
+            assert_eq!(seconds(nanoseconds_of(text).unwrap()), text.parse::<f64>().unwrap(), "{text}");
         }
         assert_eq!(nanoseconds(-0.25), -250_000_000);
         assert_eq!([-250_000_000, 0, 1_500_000_000].map(shown_seconds), ["-0.25", "0", "1.5"]);

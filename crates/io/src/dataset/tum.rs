@@ -104,11 +104,9 @@ fn choose_sensor(
     warnings: &mut Vec<String>,
 ) -> Result<Sensor, DatasetError> {
     match wanted {
-        Some(Sensor::Stereo) => Err(DatasetError::SensorUnavailable {
-            path: dir.to_path_buf(),
-            sensor: Sensor::Stereo,
-            reason: "TUM RGB-D folders contain no right images".to_string(),
-        }),
+        Some(Sensor::Stereo) => {
+            Err(DatasetError::unavailable(dir, Sensor::Stereo, "TUM RGB-D folders contain no right images"))
+        }
         Some(sensor) => Ok(sensor),
         None if has_both || lists.depth.is_file() => Ok(Sensor::Rgbd),
         None => {
@@ -217,11 +215,8 @@ fn pair_frames(
     let n_single = partners.iter().filter(|partner| partner.is_none()).count();
     let tolerance_ms = tolerance_s * 1e3;
     if n_single == color.len() {
-        return Err(DatasetError::SensorUnavailable {
-            path: dir.to_path_buf(),
-            sensor: Sensor::Rgbd,
-            reason: format!("no color image has a depth image within {tolerance_ms} ms"),
-        });
+        let reason = format!("no color image has a depth image within {tolerance_ms} ms");
+        return Err(DatasetError::unavailable(dir, Sensor::Rgbd, reason));
     }
     if n_single > 0 {
         warnings.push(format!(

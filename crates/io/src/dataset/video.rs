@@ -30,8 +30,7 @@ pub fn open_cameras(file: &Path, sensor: Option<Sensor>) -> Result<(Sequence, Im
     let usual = if calibration.has_pair() { Sensor::Stereo } else { Sensor::Mono };
     let sensor = sensor.unwrap_or(usual);
     if sensor == Sensor::Stereo && !calibration.has_pair() {
-        let reason = "the calibration file has one camera".to_owned();
-        return Err(DatasetError::SensorUnavailable { path: file.to_path_buf(), sensor, reason });
+        return Err(DatasetError::unavailable(file, sensor, "the calibration file has one camera"));
     }
     // Without a size in the file there is none at all: its cameras say so.
     let size =

@@ -26,10 +26,7 @@ pub(super) fn open(dir: &Path, options: &OpenOptions, given: &Given) -> Result<S
     let frames = read_list(dir)?;
     let has = |get: fn(&FrameSource) -> bool| frames.iter().all(get);
     let (has_right, has_depth) = (has(|frame| frame.right.is_some()), has(|frame| frame.depth.is_some()));
-    let unavailable = |sensor, reason: &str| {
-        let reason = reason.to_owned();
-        Err(DatasetError::SensorUnavailable { path: dir.to_path_buf(), sensor, reason })
-    };
+    let unavailable = |sensor, reason| Err(DatasetError::unavailable(dir, sensor, reason));
     let sensor = match options.sensor {
         Some(Sensor::Stereo) if !has_right => {
             return unavailable(Sensor::Stereo, "rgb.csv has no path_rgb_1");

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crossbeam::channel::{Receiver, Sender};
 use features::Frame;
 use map::{PointCount, RelativePose};
-use slam::{Assessment, KeyframeRequest, Placement, TrackState, TrackStats, Tracked, Tracker};
+use slam::{KeyframeRequest, Placement, TrackState, Tracked, Tracker};
 
 use crate::events::{Event, FrameAnswer, FrameDetails};
 use crate::failure::caught;
@@ -30,10 +30,8 @@ pub(crate) struct Message {
 
 /// A frame after tracking.
 pub(crate) struct TrackedFrame {
-    pub(crate) info: FrameInfo,
-    pub(crate) status: FrameStatus,
+    pub(crate) answer: FrameAnswer,
     pub(crate) relative: Option<RelativePose>,
-    pub(crate) assessment: Assessment,
     pub(crate) seen: Seen,
     pub(crate) timings: FrameTimings,
 }
@@ -87,30 +85,22 @@ impl TrackStage {
         let mut tracked =
             watch.time("track", |watch| self.tracker.track(&frame, &view.world, view.idle, watch));
         watch.add_to_last(extract_ms);
-        let mut answer = answer(&frame, &tracked, &view, watch.last("track"));
+        let mut answer = answer(info, &frame, &tracked, &view, watch.last("track"));
         if let Some(world_from_cam) = &answer.world_from_cam {
             let last = (frame.index, tracked.pose, answer.keyframe.is_some());
             answer.last_from_cam = self.motion.to(&view.world.map, last, &world_from_cam.inverse());
         }
         emit(Event::Frame(Box::new(answer.clone())));
         note_relocalization(&tracked, &info, &view, log, emit);
-        let map = &view.world.map;
-        log.map_size = (map.n_keyframes(), map.n_points());
-        let (status, timings) = (answer.status.clone(), watch.finish());
+        log.map_size = (answer.keyframes, answer.points);
+        let timings = watch.finish();
         if self.details {
-            let stages = timings.stages.clone();
-            let details =
-                FrameDetails::new(info, status.clone(), (frame, images), &mut tracked, &view, stages);
+            let (answer, stages) = (answer.clone(), timings.stages.clone());
+            let details = FrameDetails::new(answer, (frame, images), &mut tracked, &view, stages);
             emit(Event::Details(Arc::new(details)));
         }
-        log.frames.push(TrackedFrame {
-            info,
-            status,
-            relative: tracked.pose,
-            assessment: tracked.assessment,
-            seen: Seen::After(view.operation, view.idle),
-            timings,
-        });
+        let seen = Seen::After(view.operation, view.idle);
+        log.frames.push(TrackedFrame { answer: answer.clone(), relative: tracked.pose, seen, timings });
         Ok((answer, Some(Message { n, counts: tracked.counts, keyframe: tracked.keyframe })))
     }
 }
@@ -124,32 +114,10 @@ impl TrackLog {
         watch: Stopwatch,
         emit: &mut dyn FnMut(Event),
     ) -> FrameAnswer {
-        let status = FrameStatus::Dropped(reason);
-        let answer = FrameAnswer {
-            index: info.index,
-            timestamp_s: info.timestamp_s,
-            status: status.clone(),
-            world_from_cam: None,
-            last_from_cam: None,
-            submap: None,
-            assessment: Assessment::default(),
-            keyframe: None,
-            stats: TrackStats::default(),
-            features: 0,
-            with_depth: 0,
-            keyframes: self.map_size.0,
-            points: self.map_size.1,
-            track_ms: 0.0,
-        };
+        let answer = FrameAnswer::without_pose(info, FrameStatus::Dropped(reason), self.map_size);
         emit(Event::Frame(Box::new(answer.clone())));
-        self.frames.push(TrackedFrame {
-            info,
-            status,
-            relative: None,
-            assessment: Assessment::default(),
-            seen,
-            timings: watch.finish(),
-        });
+        let timings = watch.finish();
+        self.frames.push(TrackedFrame { answer: answer.clone(), relative: None, seen, timings });
         answer
     }
 }
@@ -169,7 +137,7 @@ fn note_relocalization(
     }
 }
 
-fn answer(frame: &Frame, tracked: &Tracked, view: &View, track_ms: f64) -> FrameAnswer {
+fn answer(info: FrameInfo, frame: &Frame, tracked: &Tracked, view: &View, track_ms: f64) -> FrameAnswer {
     let (status, map) = (status_of(tracked), &view.world.map);
     let pose = tracked.pose.filter(|_| status.has_pose()).map(|pose| pose.on_living(map));
     let cam_from_world = match tracked.keyframe.as_ref().map(|request| request.placement) {
@@ -177,20 +145,15 @@ fn answer(frame: &Frame, tracked: &Tracked, view: &View, track_ms: f64) -> Frame
         _ => pose.and_then(|pose| pose.cam_from_world(map)),
     };
     FrameAnswer {
-        index: frame.index,
-        timestamp_s: frame.timestamp_s,
-        status,
         world_from_cam: cam_from_world.map(|cam_from_world| cam_from_world.normalized().inverse()),
-        last_from_cam: None,
         submap: pose.and_then(|pose| map.submap_of(pose.keyframe)),
         assessment: tracked.assessment.clone(),
         keyframe: tracked.keyframe.as_ref().map(|request| request.reason),
         stats: tracked.stats,
         features: frame.len(),
         with_depth: frame.n_with_depth(),
-        keyframes: map.n_keyframes(),
-        points: map.n_points(),
         track_ms,
+        ..FrameAnswer::without_pose(info, status, (map.n_keyframes(), map.n_points()))
     }
 }
 

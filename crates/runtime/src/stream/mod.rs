@@ -129,10 +129,10 @@ impl Observer for EventStream {
         match event {
             Event::Frame(answer) if matches!(answer.status, FrameStatus::Dropped(_)) => {
                 self.newest_frame = answer.index;
-                self.backlog.keep(Record::Frame(records::dropped(answer)));
+                self.backlog.keep(Record::Frame(records::untracked(answer)));
             }
             Event::Details(details) => {
-                self.newest_frame = details.info.index;
+                self.newest_frame = details.answer.index;
                 self.backlog.keep(Record::Frame(records::frame(details)));
                 self.backlog.offer(Item::Details(details.clone()));
             }

@@ -3,60 +3,50 @@
 use std::collections::BTreeMap;
 
 use events::{
-    ActivationMap, Counts, End, FeatureState, Features, FinalPose, FramePose, FrameRecord, FrameState, Image,
-    Level, Pose, StageTime, Text, Trust,
+    ActivationMap, Counts, End, FeatureState, Features, FinalPose, FramePose, FrameRecord, Image, Level,
+    Pose, StageTime, Text, Trust,
 };
 use features::{Frame, Keypoint};
 use geometry::{SE3, Vec2, Vec3};
 use io::Preview;
-use slam::Assessment;
 
-use crate::events::FrameAnswer;
-use crate::events::FrameDetails;
+use crate::events::{FrameAnswer, FrameDetails};
 use crate::record::RunOutcome;
 use crate::words::{Weight, Words};
 
 /// A frame after tracking.
 pub(super) fn frame(details: &FrameDetails) -> FrameRecord {
-    let (frame, stats) = (&details.frame, &details.stats);
+    let (answer, has_pose) = (&details.answer, details.answer.status.has_pose());
+    let cam_from_keyframe = details.pose.map_or(SE3::identity(), |pose| pose.cam_from_keyframe);
+    let (trusted, stats) = (&answer.assessment, &answer.stats);
     FrameRecord {
-        index: details.info.index,
-        timestamp_s: details.info.timestamp_s,
-        state: details.status.state(),
-        reason: details.status.reason().unwrap_or_default(),
-        pose: details.status.has_pose().then(|| FramePose {
+        pose: has_pose.then(|| FramePose {
             keyframe: details.pose.map(|pose| pose.keyframe.0),
-            cam_from_keyframe: Pose::from(
-                &details.pose.map_or(SE3::identity(), |pose| pose.cam_from_keyframe),
-            ),
+            cam_from_keyframe: Pose::from(&cam_from_keyframe),
             scale: details.scale,
             world_from_cam: Pose::from(&details.world_from_cam),
         }),
-        trust: details.status.has_pose().then(|| trust(&details.assessment)),
+        trust: has_pose.then(|| Trust::new(trusted.quality, trusted.covariance.as_ref())),
         counts: Counts {
-            features: count(frame.len()),
-            with_depth: count(frame.n_with_depth()),
+            features: count(answer.features),
+            with_depth: count(answer.with_depth),
             visible: count(stats.visible),
             matches: count(stats.matches),
             inliers: count(stats.inliers),
-            keyframes: count(details.map_size.0),
-            points: count(details.map_size.1),
+            keyframes: count(answer.keyframes),
+            points: count(answer.points),
         },
         stages: stage_times(&details.stages),
+        ..untracked(answer)
     }
 }
 
-fn trust(assessment: &Assessment) -> Trust {
-    let sigma = assessment.covariance.map(|c| [c.sigma_m().max() as f32, c.sigma_deg().max() as f32]);
-    Trust { quality: assessment.quality as f32, sigma }
-}
-
-/// A frame whose images could not be used.
-pub(super) fn dropped(answer: &FrameAnswer) -> FrameRecord {
+/// A frame of which nothing but its state is known.
+pub(super) fn untracked(answer: &FrameAnswer) -> FrameRecord {
     FrameRecord {
         index: answer.index,
         timestamp_s: answer.timestamp_s,
-        state: FrameState::Dropped,
+        state: answer.status.state(),
         reason: answer.status.reason().unwrap_or_default(),
         pose: None,
         trust: None,
@@ -96,7 +86,7 @@ pub(super) fn features(details: &FrameDetails) -> Features {
             *shown = quantized(trust);
         }
     }
-    Features { frame: details.info.index, pixels: pixels(frame), states, activations }
+    Features { frame: details.answer.index, pixels: pixels(frame), states, activations }
 }
 
 /// An image, made smaller.

@@ -105,14 +105,14 @@ impl Worker {
     }
 
     fn write_details(&mut self, details: &FrameDetails) {
-        if !details.info.index.is_multiple_of(self.options.image_every.max(1)) {
+        let index = details.answer.index;
+        if !index.is_multiple_of(self.options.image_every.max(1)) {
             return;
         }
         if self.room > Room::All {
             self.report.left_out += 1;
             return;
         }
-        let index = details.info.index;
         if let Some(images) = &details.images {
             if let Some(preview) = io::preview(&images.image, self.options.image_width) {
                 self.write(&Record::Image(records::image(index, preview)));

@@ -21,16 +21,15 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
     right.body_from_cam = motion(&root.at("rightToLeft"))?;
     Ok(CameraFile {
         right_fields: ("right", "rightToLeft"),
-        ..CameraFile::new(&root, "BoofCV", vec![left, right])
+        ..CameraFile::new(root.path, "BoofCV", vec![left, right])
     })
 }
 
 fn camera(element: &Field<'_>) -> Result<FileCamera, DatasetError> {
     let [fx, fy, cx, cy] = ["fx", "fy", "cx", "cy"].map(|name| element.at(name));
     let camera = part::pinhole_of_fields([&fx, &fy, &cx, &cy])?;
-    let or_zero =
-        |name: &str| Ok::<f64, DatasetError>(element.at(name).optional(part::NUMBER)?.unwrap_or(0.0));
-    if or_zero("skew")? != 0.0 {
+    let [skew, p1, p2] = part::or_zero(["skew", "t1", "t2"].map(|name| element.at(name)))?;
+    if skew != 0.0 {
         return Err(element.at("skew").wrong("0"));
     }
     let radial = element.at("radial");
@@ -39,7 +38,7 @@ fn camera(element: &Field<'_>) -> Result<FileCamera, DatasetError> {
         return Err(radial.error(counted(k.len(), "radial coefficient"), "at most 3"));
     }
     let k = |i: usize| k.get(i).copied().unwrap_or(0.0);
-    let distortion = Distortion { k1: k(0), k2: k(1), p1: or_zero("t1")?, p2: or_zero("t2")?, k3: k(2) };
+    let distortion = Distortion { k1: k(0), k2: k(1), p1, p2, k3: k(2) };
     let size = part::size_of_fields(&element.at("width"), &element.at("height"))?;
     let model = CameraModel::Pinhole { camera, distortion };
     Ok(FileCamera { model, size, body_from_cam: SE3::identity() })

@@ -1,9 +1,8 @@
 //! COLMAP's `cameras.txt`: a line per camera with id, model, width, height and parameters.
 
-use geometry::{CameraModel, KannalaBrandt, Pinhole, SE3};
+use geometry::{CameraModel, Pinhole, SE3};
 
 use super::{CameraFile, DatasetError, FileCamera, lens};
-use crate::document::{Field, Node, Value};
 use crate::file::{FileError, Line, TextFile, counted};
 use crate::images::ImageSize;
 
@@ -26,8 +25,6 @@ pub(super) fn is(line: &Line<'_>) -> bool {
 pub(super) fn read(file: &TextFile) -> Result<CameraFile, DatasetError> {
     let lines: Vec<Line<'_>> = file.data_lines().collect();
     let Some(first) = lines.first() else { return Err(file.empty(super::EXPECTED).into()) };
-    let nothing = Node { line: 0, column: 0, value: Value::Nothing };
-    let root = Field::root(&file.path, &nothing);
     let mut notes = vec![format!(
         "{}: half a pixel is taken from the principal point, because COLMAP counts from the corner of a pixel",
         file.path.display()
@@ -39,7 +36,7 @@ pub(super) fn read(file: &TextFile) -> Result<CameraFile, DatasetError> {
             counted(lines.len(), "camera")
         ));
     }
-    Ok(CameraFile { notes, ..CameraFile::new(&root, "COLMAP cameras.txt", vec![camera(first)?]) })
+    Ok(CameraFile { notes, ..CameraFile::new(&file.path, "COLMAP cameras.txt", vec![camera(first)?]) })
 }
 
 fn camera(line: &Line<'_>) -> Result<FileCamera, FileError> {
@@ -68,8 +65,6 @@ fn camera(line: &Line<'_>) -> Result<FileCamera, FileError> {
 pub(super) fn model(name: &str, parameters: &[f64]) -> Option<CameraModel> {
     let one = |f: f64, cx: f64, cy: f64| Pinhole { fx: f, fy: f, cx: cx - HALF_PX, cy: cy - HALF_PX };
     let two = |fx: f64, fy: f64, cx: f64, cy: f64| Pinhole { fy, ..one(fx, cx, cy) };
-    let fisheye =
-        |camera, k1, k2, k3, k4| CameraModel::KannalaBrandt(KannalaBrandt { camera, k1, k2, k3, k4 });
     let model = match (name, parameters) {
         ("SIMPLE_PINHOLE", &[f, cx, cy]) => lens::radtan(one(f, cx, cy), &[]),
         ("PINHOLE", &[fx, fy, cx, cy]) => lens::radtan(two(fx, fy, cx, cy), &[]),
@@ -79,11 +74,11 @@ pub(super) fn model(name: &str, parameters: &[f64]) -> Option<CameraModel> {
         ("FULL_OPENCV", &[fx, fy, cx, cy, ref k @ ..]) if k.len() == 8 => {
             lens::radtan(two(fx, fy, cx, cy), k)
         }
-        ("OPENCV_FISHEYE", &[fx, fy, cx, cy, k1, k2, k3, k4]) => {
-            Some(fisheye(two(fx, fy, cx, cy), k1, k2, k3, k4))
+        ("OPENCV_FISHEYE", &[fx, fy, cx, cy, ref k @ ..]) if k.len() == 4 => {
+            lens::fisheye(two(fx, fy, cx, cy), k)
         }
-        ("SIMPLE_RADIAL_FISHEYE", &[f, cx, cy, k]) => Some(fisheye(one(f, cx, cy), k, 0.0, 0.0, 0.0)),
-        ("RADIAL_FISHEYE", &[f, cx, cy, k1, k2]) => Some(fisheye(one(f, cx, cy), k1, k2, 0.0, 0.0)),
+        ("SIMPLE_RADIAL_FISHEYE", &[f, cx, cy, k]) => lens::fisheye(one(f, cx, cy), &[k, 0.0, 0.0, 0.0]),
+        ("RADIAL_FISHEYE", &[f, cx, cy, k1, k2]) => lens::fisheye(one(f, cx, cy), &[k1, k2, 0.0, 0.0]),
         _ => None,
     }?;
     let pinhole = model.pinhole();

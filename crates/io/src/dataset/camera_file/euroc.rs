@@ -28,6 +28,6 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
     let camera = FileCamera { model, size: Some(part::size(&size)?), body_from_cam };
     Ok(CameraFile {
         right_fields: ("resolution", "T_BS"),
-        ..CameraFile::new(root, "EuRoC sensor.yaml", vec![camera])
+        ..CameraFile::new(root.path, "EuRoC sensor.yaml", vec![camera])
     })
 }

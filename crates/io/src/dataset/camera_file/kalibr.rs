@@ -36,7 +36,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
             "cam1.resolution",
             if right.at("T_cn_cnm1").is_there() { "cam1.T_cn_cnm1" } else { "cam1.T_cam_imu" },
         ),
-        ..CameraFile::new(root, "Kalibr camchain", cameras)
+        ..CameraFile::new(root.path, "Kalibr camchain", cameras)
     })
 }
 

@@ -8,7 +8,6 @@ use geometry::{CameraModel, Distortion, Pinhole, SE3, SO3, StereoRig, Vec3};
 
 use super::super::Calibration;
 use super::{CameraFile, DatasetError, FileCamera};
-use crate::document::{Field, Node, Value};
 use crate::file::{FileError, Line, TextFile, shown};
 use crate::images::ImageSize;
 
@@ -46,7 +45,6 @@ pub(super) fn read(file: &TextFile) -> Result<CameraFile, DatasetError> {
     let has = |n: usize| names(n).iter().any(|name| find(file, name).is_some());
     let [left, right] = pairs.into_iter().find(|[left, _]| has(*left)).unwrap_or(pairs[0]);
     let pair = read_pair(file, left, has(right).then_some(right))?;
-    let nothing = Node { line: 0, column: 0, value: Value::Nothing };
     let rig = pair.calibration.rig;
     let model = CameraModel::Pinhole { camera: rig.camera, distortion: Distortion::default() };
     let size = size(file, left)?;
@@ -55,7 +53,7 @@ pub(super) fn read(file: &TextFile) -> Result<CameraFile, DatasetError> {
     if rig.baseline_m > 0.0 {
         cameras.push(FileCamera { model, size, body_from_cam: place(rig.baseline_m) });
     }
-    Ok(CameraFile::new(&Field::root(&file.path, &nothing), FORMAT, cameras))
+    Ok(CameraFile::new(&file.path, FORMAT, cameras))
 }
 
 /// Reads the left camera and, if a number is given, the right one; the baseline is the difference of their offsets.

@@ -65,6 +65,18 @@ pub(super) fn named(name: &str) -> Option<Lens> {
     })
 }
 
+/// The kind of lens that a field names, if it is there.
+///
+/// # Errors
+/// [`DatasetError`] for an unknown name.
+pub(super) fn in_field(name: &Field<'_>) -> Result<Option<Lens>, DatasetError> {
+    if !name.is_there() {
+        return Ok(None);
+    }
+    let word = name.text(MODELS)?;
+    named(word).map(Some).ok_or_else(|| name.error(shown(word), MODELS))
+}
+
 /// The camera of a lens that is called by `name` and has these coefficients.
 ///
 /// # Errors
@@ -75,9 +87,7 @@ pub(super) fn model(
     coefficients: &Field<'_>,
 ) -> Result<CameraModel, DatasetError> {
     name.need(MODELS)?;
-    let word = name.text(MODELS)?;
-    let lens = named(word).ok_or_else(|| name.error(shown(word), MODELS))?;
-    of(camera, lens, coefficients)
+    of(camera, in_field(name)?.unwrap_or(Lens::None), coefficients)
 }
 
 /// The camera of a known lens.
@@ -102,9 +112,7 @@ pub(super) fn of(camera: Pinhole, lens: Lens, coefficients: &Field<'_>) -> Resul
         }
         Lens::Fisheye => {
             let given = coefficients.numbers(FISHEYE)?;
-            let [k1, k2, k3, k4] = fisheye_numbers(&given)
-                .ok_or_else(|| coefficients.error(counted(given.len(), "number"), FISHEYE))?;
-            Ok(CameraModel::KannalaBrandt(KannalaBrandt { camera, k1, k2, k3, k4 }))
+            fisheye(camera, &given).ok_or_else(|| coefficients.error(counted(given.len(), "number"), FISHEYE))
         }
     }
 }
@@ -127,7 +135,8 @@ pub(super) fn radtan(camera: Pinhole, given: &[f64]) -> Option<CameraModel> {
 }
 
 /// Four numbers; some programs write a fifth that is 0.
-fn fisheye_numbers(given: &[f64]) -> Option<[f64; 4]> {
-    let (four, rest) = given.split_at_checked(4)?;
-    (rest.len() < 2 && rest.iter().all(|&k| k == 0.0)).then(|| four.try_into().ok())?
+pub(super) fn fisheye(camera: Pinhole, given: &[f64]) -> Option<CameraModel> {
+    let &[k1, k2, k3, k4, ref rest @ ..] = given else { return None };
+    let model = CameraModel::KannalaBrandt(KannalaBrandt { camera, k1, k2, k3, k4 });
+    (rest.len() < 2 && rest.iter().all(|&k| k == 0.0)).then_some(model)
 }

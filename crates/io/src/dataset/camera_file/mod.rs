@@ -171,9 +171,9 @@ fn outline(document: &Node) -> String {
 
 impl CameraFile {
     /// A file that gives cameras and nothing else.
-    fn new(root: &Field<'_>, format: &'static str, cameras: Vec<FileCamera>) -> Self {
+    fn new(path: &Path, format: &'static str, cameras: Vec<FileCamera>) -> Self {
         Self {
-            path: root.path.to_path_buf(),
+            path: path.to_path_buf(),
             format,
             cameras,
             frame_rate_hz: None,

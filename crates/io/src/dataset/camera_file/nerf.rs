@@ -48,7 +48,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         root.path.display()
     )];
     let camera = FileCamera { model, size, body_from_cam: SE3::identity() };
-    Ok(CameraFile { notes, ..CameraFile::new(root, "nerfstudio transforms.json", vec![camera]) })
+    Ok(CameraFile { notes, ..CameraFile::new(root.path, "nerfstudio transforms.json", vec![camera]) })
 }
 
 pub(super) fn is_replica(root: &Field<'_>) -> bool {
@@ -61,7 +61,7 @@ pub(super) fn read_replica(root: &Field<'_>) -> Result<CameraFile, DatasetError>
     let file = flat(&camera, ["fx", "fy", "cx", "cy"], ["w", "h"])?;
     Ok(CameraFile {
         depth_units_per_metre: part::depth_units(&camera.at("scale"))?,
-        ..CameraFile::new(root, "Replica cam_params.json", vec![file])
+        ..CameraFile::new(root.path, "Replica cam_params.json", vec![file])
     })
 }
 
@@ -81,7 +81,7 @@ pub(super) fn read_flat(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         ]))?
         // RealSense states meters per unit.
         .map(|units| if units < 1.0 { 1.0 / units } else { units }),
-        ..CameraFile::new(root, "intrinsics", vec![camera])
+        ..CameraFile::new(root.path, "intrinsics", vec![camera])
     })
 }
 
@@ -90,21 +90,10 @@ fn flat(root: &Field<'_>, pinhole: [&str; 4], size: [&str; 2]) -> Result<FileCam
     let pinhole = part::pinhole_of_fields([&fx, &fy, &cx, &cy])?;
     let coefficients = root.any(&["coeffs", "distortion", "distortion_coefficients"]);
     let name = root.any(&["model", "distortion_model"]);
-    let lens = match name.there() {
-        Some(name) => {
-            let word = name.text(lens::MODELS)?;
-            // RealSense's rectified images have all coefficients 0 under whatever model.
-            let is_zero =
-                coefficients.is_there() && coefficients.numbers("coefficients")?.iter().all(|&k| k == 0.0);
-            if is_zero {
-                Lens::None
-            } else {
-                lens::named(word).ok_or_else(|| name.error(shown(word), lens::MODELS))?
-            }
-        }
-        None => Lens::Pinhole,
-    };
-    let model = lens::of(pinhole, lens, &coefficients)?;
+    // RealSense's rectified images have all coefficients 0 under whatever model.
+    let is_zero = coefficients.is_there() && coefficients.numbers("coefficients")?.iter().all(|&k| k == 0.0);
+    let lens = if is_zero { Some(Lens::None) } else { lens::in_field(&name)? };
+    let model = lens::of(pinhole, lens.unwrap_or(Lens::Pinhole), &coefficients)?;
     let size = part::size_of_fields(&root.at(size[0]), &root.at(size[1]))?;
     Ok(FileCamera { model, size, body_from_cam: SE3::identity() })
 }

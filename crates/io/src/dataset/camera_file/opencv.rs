@@ -42,12 +42,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
     let size = size(root)?;
     let camera = |matrix: &Field<'_>, coefficients: &Field<'_>| -> Result<FileCamera, DatasetError> {
         let pinhole = part::pinhole_of_matrix(matrix)?;
-        let lens = if root.at("distortion_model").is_there() {
-            let name = root.at("distortion_model");
-            lens::named(name.text(lens::MODELS)?).ok_or_else(|| name.wrong(lens::MODELS))?
-        } else {
-            Lens::Pinhole
-        };
+        let lens = lens::in_field(&root.at("distortion_model"))?.unwrap_or(Lens::Pinhole);
         let model = lens::of(pinhole, lens, coefficients)?;
         Ok(FileCamera { model, size, body_from_cam: SE3::identity() })
     };
@@ -62,7 +57,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
     }
     Ok(CameraFile {
         right_fields: ("image_size", "T"),
-        ..CameraFile::new(root, "OpenCV FileStorage", cameras)
+        ..CameraFile::new(root.path, "OpenCV FileStorage", cameras)
     })
 }
 

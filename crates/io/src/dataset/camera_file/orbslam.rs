@@ -1,6 +1,6 @@
 //! Settings files of ORB-SLAM2 and ORB-SLAM3, of which the camera is read: flat keys such as `Camera.fx` and `Camera1.fx`.
 
-use geometry::{CameraModel, KannalaBrandt, SE3};
+use geometry::{CameraModel, Distortion, KannalaBrandt, SE3};
 
 use super::lens::{self, Lens};
 use super::{CameraFile, DatasetError, FileCamera, part};
@@ -35,7 +35,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         depth_units_per_metre,
         baseline_m,
         right_fields: ("Camera2", "Stereo.T_c1_c2"),
-        ..CameraFile::new(root, format, cameras)
+        ..CameraFile::new(root.path, format, cameras)
     })
 }
 
@@ -64,8 +64,7 @@ fn camera(
     size: Option<crate::images::ImageSize>,
 ) -> Result<FileCamera, DatasetError> {
     let at = |field: &str| root.at(&format!("{name}.{field}"));
-    let pinhole = part::pinhole_of_fields([&at("fx"), &at("fy"), &at("cx"), &at("cy")])?;
-    let number = |field: &str| Ok::<f64, DatasetError>(at(field).optional(part::NUMBER)?.unwrap_or(0.0));
+    let camera = part::pinhole_of_fields([&at("fx"), &at("fy"), &at("cx"), &at("cy")])?;
     let kind = root.at("Camera.type");
     let lens = if kind.is_there() {
         let word = kind.text(TYPES)?;
@@ -76,24 +75,15 @@ fn camera(
         Lens::Pinhole
     };
     let model = match lens {
-        Lens::Fisheye => CameraModel::KannalaBrandt(KannalaBrandt {
-            camera: pinhole,
-            k1: number("k1")?,
-            k2: number("k2")?,
-            k3: number("k3")?,
-            k4: number("k4")?,
-        }),
-        Lens::None => CameraModel::Pinhole { camera: pinhole, distortion: Default::default() },
-        Lens::Pinhole | Lens::Radtan => CameraModel::Pinhole {
-            camera: pinhole,
-            distortion: geometry::Distortion {
-                k1: number("k1")?,
-                k2: number("k2")?,
-                p1: number("p1")?,
-                p2: number("p2")?,
-                k3: number("k3")?,
-            },
-        },
+        Lens::Fisheye => {
+            let [k1, k2, k3, k4] = part::or_zero(["k1", "k2", "k3", "k4"].map(at))?;
+            CameraModel::KannalaBrandt(KannalaBrandt { camera, k1, k2, k3, k4 })
+        }
+        Lens::None => CameraModel::Pinhole { camera, distortion: Distortion::default() },
+        Lens::Pinhole | Lens::Radtan => {
+            let [k1, k2, p1, p2, k3] = part::or_zero(["k1", "k2", "p1", "p2", "k3"].map(at))?;
+            CameraModel::Pinhole { camera, distortion: Distortion { k1, k2, p1, p2, k3 } }
+        }
     };
     Ok(FileCamera { model, size, body_from_cam: SE3::identity() })
 }

@@ -42,7 +42,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         depth_units_per_metre: part::depth_units(&root.at("depth_units_per_metre"))?,
         baseline_m: baseline.there().map(|field| field.positive("meters, above 0")).transpose()?,
         right_fields: ("cameras[1].resolution", "right_from_left"),
-        ..CameraFile::new(root, "our YAML", cameras)
+        ..CameraFile::new(root.path, "our YAML", cameras)
     })
 }
 

@@ -109,6 +109,15 @@ fn motion(
     Ok(SE3::new(rotation, translation))
 }
 
+/// Numbers of fields; 0 where there is none.
+pub(super) fn or_zero<const N: usize>(fields: [Field<'_>; N]) -> Result<[f64; N], DatasetError> {
+    let mut numbers = [0.0; N];
+    for (number, field) in numbers.iter_mut().zip(&fields) {
+        *number = field.optional(NUMBER)?.unwrap_or(0.0);
+    }
+    Ok(numbers)
+}
+
 /// Images per second, if the field is there.
 pub(super) fn rate(field: &Field<'_>) -> Result<Option<f64>, DatasetError> {
     if !field.is_there() {

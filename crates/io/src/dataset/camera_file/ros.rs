@@ -7,7 +7,7 @@ use geometry::SE3;
 use super::lens::{self, Lens};
 use super::{CameraFile, DatasetError, FileCamera, part};
 use crate::document::{Field, parse};
-use crate::file::{TextFile, shown};
+use crate::file::TextFile;
 
 pub(super) fn is(root: &Field<'_>) -> bool {
     // As a message (`ros2 topic echo`) its fields have other names.
@@ -21,7 +21,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
     let camera = camera(root)?;
     let file = |cameras| CameraFile {
         right_fields: ("image_width", "projection_matrix"),
-        ..CameraFile::new(root, "ROS camera_info", cameras)
+        ..CameraFile::new(root.path, "ROS camera_info", cameras)
     };
     let Some(beside) = right_beside(root) else { return Ok(file(vec![camera])) };
     let text = TextFile::read(&beside, super::EXPECTED)?;
@@ -38,15 +38,8 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
 fn camera(root: &Field<'_>) -> Result<FileCamera, DatasetError> {
     let pinhole = part::pinhole_of_matrix(&root.any(&["camera_matrix", "K", "k"]))?;
     let coefficients = root.any(&["distortion_coefficients", "D", "d"]);
-    let name = root.at("distortion_model");
-    let lens = match name.there() {
-        // OpenCV's example program writes no model.
-        None => Lens::Radtan,
-        Some(name) => {
-            let word = name.text(lens::MODELS)?;
-            lens::named(word).ok_or_else(|| name.error(shown(word), lens::MODELS))?
-        }
-    };
+    // OpenCV's example program writes no model.
+    let lens = lens::in_field(&root.at("distortion_model"))?.unwrap_or(Lens::Radtan);
     let model = lens::of(pinhole, lens, &coefficients)?;
     let size =
         part::size_of_fields(&root.any(&["image_width", "width"]), &root.any(&["image_height", "height"]))?;

@@ -5,7 +5,6 @@ use geometry::{Pinhole, SE3};
 use super::lens::{self, Lens};
 use super::{CameraFile, DatasetError, FileCamera, part};
 use crate::document::Field;
-use crate::file::shown;
 
 pub(super) fn is(root: &Field<'_>) -> bool {
     root.at("cameras").items().first().is_some_and(|camera| camera.at("focal_length").is_there())
@@ -20,7 +19,7 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         frame_rate_hz: part::rate(&items[0].at("fps"))?,
         depth_units_per_metre: depth.map(|field| part::depth_units(&field)).transpose()?.flatten(),
         right_fields: ("cameras[1].image_dimension", "cameras[1].T_BS"),
-        ..CameraFile::new(root, "VSLAM-LAB calibration.yaml", cameras)
+        ..CameraFile::new(root.path, "VSLAM-LAB calibration.yaml", cameras)
     })
 }
 
@@ -31,13 +30,7 @@ fn camera(camera: &Field<'_>) -> Result<FileCamera, DatasetError> {
         return Err(camera.at("focal_length").wrong(part::FOCAL));
     }
     let name = camera.any(&["distortion_type", "distortion_model"]);
-    let lens = match name.there() {
-        Some(name) => {
-            let word = name.text(lens::MODELS)?;
-            lens::named(word).ok_or_else(|| name.error(shown(word), lens::MODELS))?
-        }
-        None => Lens::Pinhole,
-    };
+    let lens = lens::in_field(&name)?.unwrap_or(Lens::Pinhole);
     let model = lens::of(Pinhole { fx, fy, cx, cy }, lens, &camera.at("distortion_coefficients"))?;
     let size = camera.at("image_dimension").there().map(|field| part::size(&field)).transpose()?;
     let pose = camera.at("T_BS");

@@ -69,16 +69,13 @@ fn choose_sensor(
 ) -> Result<Sensor, DatasetError> {
     let right = root.join("cam1");
     match wanted {
-        Some(Sensor::Rgbd) => Err(DatasetError::SensorUnavailable {
-            path: dir.to_path_buf(),
-            sensor: Sensor::Rgbd,
-            reason: "EuRoC folders contain no depth images".to_string(),
-        }),
-        Some(Sensor::Stereo) if !right.is_dir() => Err(DatasetError::SensorUnavailable {
-            path: dir.to_path_buf(),
-            sensor: Sensor::Stereo,
-            reason: format!("found no folder {}", right.display()),
-        }),
+        Some(Sensor::Rgbd) => {
+            Err(DatasetError::unavailable(dir, Sensor::Rgbd, "EuRoC folders contain no depth images"))
+        }
+        Some(Sensor::Stereo) if !right.is_dir() => {
+            let reason = format!("found no folder {}", right.display());
+            Err(DatasetError::unavailable(dir, Sensor::Stereo, reason))
+        }
         Some(sensor) => Ok(sensor),
         None if right.is_dir() => Ok(Sensor::Stereo),
         None => {

@@ -166,20 +166,19 @@ pub(super) fn choose(
     warnings: &mut Vec<String>,
 ) -> Result<(Sensor, Packing), DatasetError> {
     let place = pictures.place;
-    let unavailable =
-        |sensor, reason| Err(DatasetError::SensorUnavailable { path: place.to_path_buf(), sensor, reason });
     match (wanted, pictures.has_depth) {
         (Some(Sensor::Rgbd), true) => return Ok((Sensor::Rgbd, Packing::Whole)),
         // Of three, the two cameras are taken.
         (None, true) if !pictures.in_two_folders => return Ok((Sensor::Rgbd, Packing::Whole)),
         (Some(Sensor::Rgbd), false) => {
-            return unavailable(Sensor::Rgbd, "found no depth images".to_string());
+            return Err(DatasetError::unavailable(place, Sensor::Rgbd, "found no depth images"));
         }
         _ => {}
     }
     let one_camera = file.filter(|file| !file.has_pair());
     if let (Some(Sensor::Stereo), Some(file)) = (wanted, one_camera) {
-        return unavailable(Sensor::Stereo, format!("{} describes a single camera", file.source()));
+        let reason = format!("{} describes a single camera", file.source());
+        return Err(DatasetError::unavailable(place, Sensor::Stereo, reason));
     }
     if pictures.in_two_folders {
         if let (None, Some(file)) = (wanted, one_camera) {
@@ -253,16 +252,9 @@ fn pair_frames(
         (sensor == Sensor::Rgbd).then(|| pair_by_time(tree, others, options.association_tolerance_s));
     let pairs = by_time.flatten().unwrap_or_else(|| names::pair(&tree.left, others));
     if pairs.is_empty() {
-        return Err(DatasetError::SensorUnavailable {
-            path: tree.folder.clone(),
-            sensor,
-            reason: format!(
-                "no image number matches one in {} (first: {} and {})",
-                folder.display(),
-                tree.left[0].display(),
-                others[0].display()
-            ),
-        });
+        let [folder, left, other] = [folder, &tree.left[0], &others[0]].map(|path| path.display());
+        let reason = format!("no image number matches one in {folder} (first: {left} and {other})");
+        return Err(DatasetError::unavailable(&tree.folder, sensor, reason));
     }
     for (folder, n_images) in [(&tree.folder, tree.left.len()), (folder, others.len())] {
         let n_single = n_images - pairs.len();

@@ -1,10 +1,9 @@
 //! Names of image files: natural order (`2` before `10`), and which left and right names belong together.
 
 use std::cmp::Ordering;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::file::FileError;
+use crate::file::{FileError, entries};
 use crate::images::IMAGE_ENDINGS;
 
 /// A piece of a name: digits without their leading zeros, or what stands between digits.
@@ -31,20 +30,8 @@ pub(super) fn list_depth(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
 }
 
 fn list_ending(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, FileError> {
-    if !folder.is_dir() {
-        return Ok(Vec::new());
-    }
-    let unreadable = |error: std::io::Error| FileError::Unreadable {
-        path: folder.to_path_buf(),
-        reason: error.to_string(),
-    };
-    let mut paths = Vec::new();
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if has_ending(&path, endings) {
-            paths.push(path);
-        }
-    }
+    let mut paths = entries(folder)?;
+    paths.retain(|path| has_ending(path, endings));
     paths.sort_by(|a, b| natural_order(&name(a), &name(b)));
     Ok(paths)
 }

@@ -3,28 +3,23 @@
 use geometry::{CameraModel, Distortion, GrayImage, KannalaBrandt, Mat3, Rational, SE3, SO3, Vec2, Vec3};
 use opencv::core::{self, Mat, Point2d, Point3d, Rect, Size, Vector};
 use opencv::prelude::*;
-use opencv::{calib3d, imgproc};
-
-use crate::{Result, copy_out, view};
+use opencv::{Result, calib3d, imgproc};
 
 /// What OpenCV's `stereoRectify` returns.
 #[derive(Clone, Debug)]
-pub struct Rectification {
+pub(crate) struct Rectification {
     /// Turn of the first camera (`R1`).
-    pub rectified_from_left: Mat3,
+    pub(crate) rectified_from_left: Mat3,
     /// Turn of the second camera (`R2`).
-    pub rectified_from_right: Mat3,
+    pub(crate) rectified_from_right: Mat3,
     /// Projection matrix of the first rectified camera, row by row (`P1`).
-    pub left: [f64; 12],
+    pub(crate) left: [f64; 12],
     /// Projection matrix of the second rectified camera, row by row (`P2`).
-    pub right: [f64; 12],
+    pub(crate) right: [f64; 12],
 }
 
 /// `stereoRectify` with zero disparity and alpha 0 for images of `(width, height)` pixels.
-///
-/// # Errors
-/// What OpenCV refuses; it has no fisheye here.
-pub fn stereo_rectify(
+pub(crate) fn stereo_rectify(
     left: &CameraModel,
     right: &CameraModel,
     (width, height): (usize, usize),
@@ -66,10 +61,7 @@ pub fn stereo_rectify(
 }
 
 /// The raw pixels of points in camera coordinates.
-///
-/// # Errors
-/// What OpenCV refuses.
-pub fn project(model: &CameraModel, points_cam: &[Vec3]) -> Result<Vec<Vec2>> {
+pub(crate) fn project(model: &CameraModel, points_cam: &[Vec3]) -> Result<Vec<Vec2>> {
     let points: Vector<Point3d> = points_cam.iter().map(|p| Point3d::new(p.x, p.y, p.z)).collect();
     let zero = Mat::zeros(3, 1, core::CV_64F)?.to_mat()?;
     let (camera, lens) = (camera_matrix(model)?, coefficients(model)?);
@@ -96,10 +88,7 @@ pub fn project(model: &CameraModel, points_cam: &[Vec3]) -> Result<Vec<Vec2>> {
 }
 
 /// The maps of `initUndistortRectifyMap`: for each pixel of the target the x and the y of its source, row by row.
-///
-/// # Errors
-/// What OpenCV refuses.
-pub fn rectify_maps(
+pub(crate) fn rectify_maps(
     model: &CameraModel,
     rectified_from_cam: &SO3,
     target: &geometry::Pinhole,
@@ -135,16 +124,21 @@ pub fn rectify_maps(
 }
 
 /// OpenCV's bilinear `remap` with black outside; the maps have one entry per pixel of the target.
-///
-/// # Errors
-/// What OpenCV refuses, such as maps of another length than the target.
-pub fn remap(image: &GrayImage, maps: &[Vec<f32>; 2], (width, height): (usize, usize)) -> Result<GrayImage> {
+pub(crate) fn remap(
+    image: &GrayImage,
+    maps: &[Vec<f32>; 2],
+    (width, height): (usize, usize),
+) -> Result<GrayImage> {
     let (rows, cols) = (i32::try_from(height)?, i32::try_from(width)?);
     let x = Mat::new_rows_cols_with_data(rows, cols, &maps[0])?;
     let y = Mat::new_rows_cols_with_data(rows, cols, &maps[1])?;
     let mut target = Mat::default();
     imgproc::remap(
-        &view(image)?,
+        &Mat::new_rows_cols_with_data(
+            i32::try_from(image.height)?,
+            i32::try_from(image.width)?,
+            &image.data,
+        )?,
         &mut target,
         &x,
         &y,
@@ -152,7 +146,7 @@ pub fn remap(image: &GrayImage, maps: &[Vec<f32>; 2], (width, height): (usize, u
         core::BORDER_CONSTANT,
         core::Scalar::default(),
     )?;
-    copy_out(&target)
+    Ok(GrayImage { width, height, data: target.data_bytes()?.to_vec() })
 }
 
 fn matrix(m: &Mat3) -> Result<Mat> {

@@ -1,14 +1,10 @@
-//! Point sets that differ by a rigid motion or a similarity.
+//! An estimator that is simple enough to test the robust estimation with: point sets that differ by a similarity.
 
-use super::pick;
-use crate::aliases::Vec3;
-use crate::ransac::Estimator;
-use crate::sim3::Sim3;
-use crate::umeyama::align_umeyama;
+use dsslam_geometry::{Estimator, Sim3, Vec3, align_umeyama};
 
 /// Estimates `dst_from_src` by Umeyama's method; errors are squared distances in the target frame.
 #[derive(Clone, Debug)]
-pub struct AlignmentEstimator<'a> {
+pub(crate) struct AlignmentEstimator<'a> {
     src: &'a [Vec3],
     dst: &'a [Vec3],
     with_scale: bool,
@@ -17,14 +13,10 @@ pub struct AlignmentEstimator<'a> {
 
 impl<'a> AlignmentEstimator<'a> {
     /// Matches in a sample.
-    pub const SAMPLE_SIZE: usize = 3;
+    pub(crate) const SAMPLE_SIZE: usize = 3;
 
     /// Matched points, whether the scale is free, and the squared threshold in square meters of the target frame.
-    ///
-    /// # Panics
-    /// When the lengths differ.
-    #[must_use]
-    pub fn new(src: &'a [Vec3], dst: &'a [Vec3], with_scale: bool, threshold_sq: f64) -> Self {
+    pub(crate) fn new(src: &'a [Vec3], dst: &'a [Vec3], with_scale: bool, threshold_sq: f64) -> Self {
         assert_eq!(src.len(), dst.len(), "points come in pairs");
         Self { src, dst, with_scale, threshold_sq }
     }
@@ -53,6 +45,16 @@ impl Estimator for AlignmentEstimator<'_> {
 
     fn refit(&self, _: &Sim3, inliers: &[usize], weights: &[f64]) -> Option<Sim3> {
         let (src, dst) = (pick(self.src, inliers), pick(self.dst, inliers));
-        align_umeyama(&src, &dst, Some(&pick(weights, inliers)), self.with_scale)
+        align_umeyama(
+            &src,
+            &dst,
+            Some(&inliers.iter().map(|&i| weights[i]).collect::<Vec<_>>()),
+            self.with_scale,
+        )
     }
+}
+
+/// The chosen elements, in the order of the indices.
+fn pick(all: &[Vec3], indices: &[usize]) -> Vec<Vec3> {
+    indices.iter().map(|&i| all[i]).collect()
 }

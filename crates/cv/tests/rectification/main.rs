@@ -1,6 +1,8 @@
 //! Our camera models and stereo rectification against OpenCV's.
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod reference;
+
 use features::{RemapTable, remap};
 use geometry::{
     CameraModel, Distortion, GrayImage, KannalaBrandt, Pinhole, SE3, SO3, Vec2, Vec3, rectify_stereo,
@@ -90,7 +92,7 @@ fn points() -> Vec<Vec3> {
 #[test]
 fn projections_are_equal() {
     for model in [euroc().0, without_lens(&euroc().1), fisheye()] {
-        let theirs = dsslam_cv::project(&model, &points()).unwrap();
+        let theirs = reference::project(&model, &points()).unwrap();
         for (point, theirs) in points().iter().zip(theirs) {
             let ours = model.project(point);
             assert!((ours - theirs).amax() < 1e-9, "{model}: {ours} {theirs}");
@@ -104,7 +106,7 @@ fn turns_and_baseline_are_equal() {
     for twist in [Vec3::zeros(), Vec3::new(0.02, -0.03, 0.05), Vec3::new(-0.1, 0.05, -0.02)] {
         let motion = SE3::new(SO3::exp(&twist), Vec3::zeros()) * right_from_left;
         let ours = rectify_stereo(&left, &right, SIZE, &motion).unwrap();
-        let theirs = dsslam_cv::stereo_rectify(&left, &right, SIZE, &motion).unwrap();
+        let theirs = reference::stereo_rectify(&left, &right, SIZE, &motion).unwrap();
         assert!((ours.rectified_from_left.matrix() - theirs.rectified_from_left).amax() < 1e-12);
         assert!((ours.rectified_from_right.matrix() - theirs.rectified_from_right).amax() < 1e-12);
         let baseline_m = -theirs.right[3] / theirs.right[0];
@@ -121,7 +123,7 @@ fn the_new_camera_is_equal_as_far_as_opencv_computes_it() {
     let bare = (without_lens(&left), without_lens(&right));
     for ((left, right), tolerance_px) in [(bare, 1e-4), ((left, right), 0.03)] {
         let camera = rectify_stereo(&left, &right, SIZE, &motion).unwrap().rig.camera;
-        let theirs = dsslam_cv::stereo_rectify(&left, &right, SIZE, &motion).unwrap().left;
+        let theirs = reference::stereo_rectify(&left, &right, SIZE, &motion).unwrap().left;
         let differences =
             [camera.fx - theirs[0], camera.cx - theirs[2], camera.fy - theirs[5], camera.cy - theirs[6]];
         assert!(differences.iter().all(|d| d.abs() < tolerance_px), "{camera:?} {theirs:?}");
@@ -141,7 +143,7 @@ fn maps_are_equal() {
         (fisheye(), turn, wide, (512, 512)),
     ];
     for (model, turn, target, size) in cases {
-        let maps = dsslam_cv::rectify_maps(&model, &turn, &target, size).unwrap();
+        let maps = reference::rectify_maps(&model, &turn, &target, size).unwrap();
         for (i, (x, y)) in maps[0].iter().zip(&maps[1]).enumerate() {
             let pixel = Vec2::new((i % size.0) as f64, (i / size.0) as f64);
             let ours = model.project(&(turn.inverse() * target.unproject(&pixel)));
@@ -155,7 +157,7 @@ fn maps_are_equal() {
 fn compare(image: &GrayImage, table: &RemapTable, maps: &[Vec<f32>; 2]) -> (usize, u8) {
     let ours = remap(image, table).unwrap();
     let (width, height) = table.target_size();
-    let theirs = dsslam_cv::remap(image, maps, (width, height)).unwrap();
+    let theirs = reference::remap(image, maps, (width, height)).unwrap();
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let inside: Vec<_> = places.filter(|&(x, y)| table.has_source(x, y)).collect();
     assert!(inside.len() > width * height * 3 / 4, "{} pixels have a source", inside.len());
@@ -178,7 +180,7 @@ fn redrawn_images_are_equal() {
     for (model, turn, target, size) in cases {
         let noise =
             GrayImage::from_fn(size.0, size.1, |x, y| geometry::mix_seed(1, x as u64, y as u64) as u8);
-        let maps = dsslam_cv::rectify_maps(&model, &turn, &target, size).unwrap();
+        let maps = reference::rectify_maps(&model, &turn, &target, size).unwrap();
         let at = |map: &[f32], p: &Vec2| f64::from(map[p.y as usize * size.0 + p.x as usize]);
         let same = RemapTable::new(size, size, |p| Some(Vec2::new(at(&maps[0], p), at(&maps[1], p))));
         assert_eq!(compare(&noise, &same, &maps), (0, 0), "{model}");
