@@ -100,4 +100,5 @@ fn one_camera_finds_its_focal_length_within_the_stated_uncertainty() {
         assert_eq!(refined.errors[4..], [0.0; 2]);
     }
     assert_eq!(drive(1.0).mapper.world().calibration, None, "an exact calibration stays");
+    assert_eq!(drive(1.2).mapper.world().calibration, None, "nobody's focal length is off by so much");
 }
