@@ -10,7 +10,7 @@ const PRIOR: CalibrationVector = [0.02, 5.0, 5.0, 0.003, HELD, HELD];
 /// Squared length of the errors in units of their uncertainty from which they are taken away; the uncertainty is that of counting,
 /// hence far above the limits of chi-square.
 const EVIDENCE: f64 = 100.0;
-/// Errors beyond so many standard deviations of the usual ones come from a map that is wrong, not from the calibration.
+/// Errors beyond this many standard deviations of the usual ones come from a map that is wrong, not from the calibration.
 const BELIEVABLE: f64 = 5.0;
 /// Residuals of one point are alike, and no model is exact: uncertainties are so much larger than counting says.
 const DEPENDENCE: f64 = 5.0;

@@ -8,6 +8,7 @@ mod initializer;
 mod keyframe_policy;
 mod last_frame;
 mod local_map;
+mod loss;
 mod motion_model;
 mod predict;
 mod relocalize;
@@ -120,13 +121,6 @@ pub struct Tracked {
     /// How far the pose is to be trusted.
     pub assessment: Assessment,
 }
-
-/// Inliers that suffice shortly after a loss where the pose agrees with the motion before it.
-const RESUMING_INLIERS: usize = 12;
-/// How far it may then be off, as a part of the way since.
-const RESUMING_REACH: f64 = 0.25;
-/// And how far it may have turned otherwise.
-const RESUMING_ANGLE_RAD: f64 = 0.1;
 
 /// The tracker's memory between two frames: the last frame and how the camera moved.
 #[derive(Clone, Debug)]
@@ -323,24 +317,9 @@ impl Tracker {
             let local = LocalMap::gather(map, &predicted.matches, fallback, tracking);
             local.track(frame, map, &predicted, &self.params)
         });
-        let is_resumed = last.is_some_and(|last| self.resumes(frame, map, last, &local.cam_from_world));
-        let needed =
-            if is_resumed { tracking.min_inliers.min(RESUMING_INLIERS) } else { tracking.min_inliers };
+        let needed = self.inliers_needed(frame, map, last, &local.cam_from_world);
         let found = local.matches.len();
         if found >= needed { Ok(local) } else { Err(Lost::TooFewLocalInliers { found, needed }) }
-    }
-
-    /// Whether the camera was lost lately and is now where it would be had it moved on as before. Without a scale nobody can tell.
-    fn resumes(&self, frame: &Frame, map: &Map, last: &LastFrame, cam_from_world: &SE3) -> bool {
-        let is_metric = !self.params.camera.sensor.is_scale_free();
-        let Some(velocity) = self.velocity.filter(|_| is_metric) else { return false };
-        if !self.is_lost && frame.index >= self.resuming_until {
-            return false;
-        }
-        let motion = velocity.motion_over(last.seconds_to(frame));
-        let off = *cam_from_world * (motion * last.cam_from_world(map)).inverse();
-        off.translation.norm() <= RESUMING_REACH * motion.translation.norm()
-            && off.rotation.angle() <= RESUMING_ANGLE_RAD
     }
 
     /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth, or for the first
@@ -375,27 +354,6 @@ impl Tracker {
         };
         let assessment = Assessment::of_start();
         Tracked { keyframe: Some(request), assessment, ..not_tracked(TrackState::Started, None) }
-    }
-
-    /// Keeps the last good frame, so that recovery starts from it; after a lasting loss a new sub-map begins where the
-    /// camera was last seen.
-    fn lose(&mut self, frame: &Arc<Frame>, map: &Map, last: Option<LastFrame>, lost: Lost) -> Tracked {
-        self.is_lost = true;
-        self.assessor.forget();
-        let tracking = &self.params.tracking;
-        let could_start =
-            self.params.camera.sensor.is_scale_free() || frame.n_with_depth() >= tracking.init_min_features;
-        self.lost_frames += u32::from(could_start);
-        if self.lost_frames > self.params.camera.max_lost_frames && !tracking.localize_only {
-            let started =
-                self.start(frame, last.as_ref().map_or(SE3::identity(), |last| last.cam_from_world(map)));
-            if started.keyframe.is_some() {
-                return started;
-            }
-        }
-        let tracked = not_tracked(TrackState::Lost(lost), last.as_ref());
-        self.last = last;
-        tracked
     }
 }
 
