@@ -224,7 +224,7 @@ impl Tracker {
         probe: &mut dyn Probe,
     ) -> Tracked {
         self.lost_frames = 0;
-        if std::mem::take(&mut self.is_lost) {
+        if std::mem::take(&mut self.is_lost) && !local.stats.relocalized {
             self.resuming_until = frame.index + self.params.camera.max_keyframe_gap;
         }
         self.initializer = None;
