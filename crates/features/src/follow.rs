@@ -15,26 +15,38 @@ const REACH_Y: f32 = 0.04;
 /// What a pixel of motion costs, gray levels summed over the block: blocks without structure stay.
 const COST: u32 = 6;
 
-/// The last evaluation of a network.
+/// An image made small, to be looked for in another one.
 #[derive(Clone, Debug)]
-pub(crate) struct Evaluated {
-    /// Number of the frame.
-    pub(crate) index: u32,
-    map: ActivationMap,
-    small: GrayImage,
+pub(crate) struct Small(GrayImage);
+
+impl Small {
+    /// Of the image whose pyramid has this coarsest level: means of squares of pixels, as few that it is at most [`MAX_WIDTH`] wide.
+    pub(crate) fn of(coarsest: &Plane) -> Self {
+        let side = coarsest.width().div_ceil(MAX_WIDTH).max(1);
+        Small(GrayImage::from_fn(coarsest.width() / side, coarsest.height() / side, |x, y| {
+            let rows = (y * side..(y + 1) * side).map(|row| &coarsest.pixels(row)[x * side..(x + 1) * side]);
+            let sum: usize = rows.flatten().map(|&value| usize::from(value)).sum();
+            (sum / (side * side)) as u8
+        }))
+    }
 }
 
-impl Evaluated {
-    /// The evaluation of a frame; `coarsest` is the coarsest level of its pyramid.
-    pub(crate) fn new(index: u32, map: ActivationMap, coarsest: &Plane) -> Self {
-        Evaluated { index, map, small: reduced(coarsest) }
-    }
+/// What a network said of a frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Answered {
+    /// Number of the frame.
+    pub(crate) index: u32,
+    pub(crate) map: ActivationMap,
+    /// Its image.
+    pub(crate) small: Small,
+}
 
-    /// The answers for a later image, of which `coarsest` is the coarsest level; `None` for one of another size.
-    pub(crate) fn moved_to(&self, coarsest: &Plane) -> Option<ActivationMap> {
-        let small = reduced(coarsest);
+impl Answered {
+    /// The answers for a later image; `None` for one of another size.
+    pub(crate) fn moved_to(&self, small: &Small) -> Option<ActivationMap> {
+        let (small, earlier) = (&small.0, &self.small.0);
         let (width, height) = (small.width, small.height);
-        if (width, height) != (self.small.width, self.small.height) || width < BLOCK || height < BLOCK {
+        if (width, height) != (earlier.width, earlier.height) || width < BLOCK || height < BLOCK {
             return None;
         }
         let reach = [REACH_X, REACH_Y].map(|share| (share * width as f32).ceil() as isize);
@@ -43,12 +55,7 @@ impl Evaluated {
             .map(|i| {
                 // The last block of a row or column overlaps the one before.
                 let corner = |block: usize, length: usize| (block * BLOCK).min(length - BLOCK);
-                motion_of(
-                    &small,
-                    &self.small,
-                    (corner(i % columns, width), corner(i / columns, height)),
-                    reach,
-                )
+                motion_of(small, earlier, (corner(i % columns, width), corner(i / columns, height)), reach)
             })
             .collect();
         let values = self.map.values();
@@ -114,16 +121,6 @@ fn difference(a: &GrayImage, b: &GrayImage, at_a: (usize, usize), at_b: (usize, 
     sum
 }
 
-/// Means of squares of pixels, as few that the image is at most [`MAX_WIDTH`] wide.
-fn reduced(plane: &Plane) -> GrayImage {
-    let side = plane.width().div_ceil(MAX_WIDTH).max(1);
-    GrayImage::from_fn(plane.width() / side, plane.height() / side, |x, y| {
-        let rows = (y * side..(y + 1) * side).map(|row| &plane.pixels(row)[x * side..(x + 1) * side]);
-        let sum: usize = rows.flatten().map(|&value| usize::from(value)).sum();
-        (sum / (side * side)) as u8
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,12 +140,16 @@ mod tests {
         ActivationMap::new(values.clone(), 1000, 300).unwrap().with_lasting(values).unwrap()
     }
 
+    fn answered(plane: &Plane) -> Answered {
+        Answered { index: 0, map: map(), small: Small::of(plane) }
+    }
+
     #[test]
     fn answers_move_with_the_image() {
-        let evaluated = Evaluated::new(0, map(), &plane(0));
-        assert_eq!(evaluated.moved_to(&plane(0)), Some(map()), "nothing moved");
+        let answered = answered(&plane(0));
+        assert_eq!(answered.moved_to(&Small::of(&plane(0))), Some(map()), "nothing moved");
         // 16 of 320 pixels are 8 of 160 cells.
-        let moved = evaluated.moved_to(&plane(16)).unwrap();
+        let moved = answered.moved_to(&Small::of(&plane(16))).unwrap();
         for row in 0..48 {
             let low: Vec<usize> = (0..160).filter(|&x| moved.values().at(x, row) < 0.5).collect();
             assert_eq!((low.first(), low.last()), (Some(&68), Some(&97)), "row {row}");
@@ -160,13 +161,13 @@ mod tests {
     fn an_image_without_structure_leaves_them_where_they_are() {
         let mut flat = Plane::default();
         flat.copy_from(&GrayImage::new(320, 96, 90));
-        assert_eq!(Evaluated::new(0, map(), &flat).moved_to(&flat), Some(map()));
+        assert_eq!(answered(&flat).moved_to(&Small::of(&flat)), Some(map()));
     }
 
     #[test]
     fn an_image_of_another_size_takes_nothing() {
         let mut other = Plane::default();
         other.copy_from(&GrayImage::new(300, 96, 90));
-        assert_eq!(Evaluated::new(0, map(), &plane(0)).moved_to(&other), None);
+        assert_eq!(answered(&plane(0)).moved_to(&Small::of(&other)), None);
     }
 }
