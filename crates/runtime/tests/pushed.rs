@@ -94,7 +94,7 @@ struct Halves;
 
 impl ActivationSource for Halves {
     fn activation(&self, image: &GrayImage) -> Result<ActivationMap, ActivationError> {
-        let trusts_left = image.at(20, 20) % 2 == 0;
+        let trusts_left = image.at(20, 20).is_multiple_of(2);
         let values = Raster::from_fn(16, 10, |x, _| if (x < 8) == trusts_left { 1.0 } else { 0.3 });
         ActivationMap::new(values, image.width, image.height).ok_or(ActivationError::Unknown)
     }
