@@ -76,7 +76,10 @@ impl Answered {
     /// The answers for a later image; `None` for one of another size.
     pub(crate) fn moved_to(&self, small: &Small) -> Option<ActivationMap> {
         let (width, height) = (small.image.width, small.image.height);
-        if (width, height) != (self.small.image.width, self.small.image.height) || width < BLOCK || height < BLOCK {
+        if (width, height) != (self.small.image.width, self.small.image.height)
+            || width < BLOCK
+            || height < BLOCK
+        {
             return None;
         }
         let reach = [REACH_X, REACH_Y].map(|share| (share * width as f32).ceil() as isize);
@@ -85,7 +88,12 @@ impl Answered {
             .map(|i| {
                 // The last block of a row or column overlaps the one before.
                 let corner = |block: usize, length: usize| (block * BLOCK).min(length - BLOCK);
-                motion_of(small, &self.small, (corner(i % columns, width), corner(i / columns, height)), reach)
+                motion_of(
+                    small,
+                    &self.small,
+                    (corner(i % columns, width), corner(i / columns, height)),
+                    reach,
+                )
             })
             .collect();
         let values = self.map.values();
