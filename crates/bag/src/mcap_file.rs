@@ -15,7 +15,6 @@ pub(crate) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// A record's code and length.
 const HEAD: u64 = 9;
 
-
 /// Channel number, log and publish time before a message's data: 2 + 4 + 8 + 8 bytes.
 const MESSAGE_HEAD: usize = 22;
 
