@@ -19,6 +19,7 @@ mod help;
 mod job;
 mod mcap_export;
 mod outputs;
+mod places;
 mod progress;
 mod recorded_frames;
 mod render;
@@ -76,7 +77,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::View(args) => show::view(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Synth(args) => render::run(&args),
-        Command::Eval(command) => evaluate::run(command),
+        Command::Eval(args) => evaluate::run(args.what),
         Command::Config(args) => config::run(&args.action),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => match args.what {

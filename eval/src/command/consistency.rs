@@ -27,7 +27,7 @@ const TIME_TOLERANCE_S: f64 = 5e-4;
 
 /// Arguments of `dsslam eval consistency`.
 #[derive(Debug, Args)]
-pub(super) struct ConsistencyArgs {
+pub struct ConsistencyArgs {
     /// Results folder of a run: frames.csv and trajectory.tum.txt.
     #[arg(value_name = "RUN")]
     run: PathBuf,

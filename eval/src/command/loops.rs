@@ -19,7 +19,7 @@ Examples:
 
 /// Arguments of `dsslam eval loops`.
 #[derive(Debug, Args)]
-pub(super) struct LoopsArgs {
+pub struct LoopsArgs {
     /// Detected loops (CSV).
     #[arg(value_name = "DETECTIONS")]
     detections: PathBuf,

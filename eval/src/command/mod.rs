@@ -8,19 +8,11 @@ mod suite;
 mod traj;
 
 use anyhow::Result;
-use clap::{Args, Subcommand};
+use clap::Subcommand;
 
-use crate::places::{self, Host};
-
-/// Arguments of `dsslam eval`.
-#[derive(Debug, Args)]
-pub struct EvalCommand {
-    #[command(subcommand)]
-    action: Action,
-}
-
+/// What `dsslam eval` does with files of trajectories, loops and results.
 #[derive(Debug, Subcommand)]
-enum Action {
+pub enum EvalCommand {
     /// Compares one estimated trajectory with its ground truth: ATE, t_rel, r_rel, RPE, scale drift, coverage.
     #[command(after_help = traj::EXAMPLES)]
     Traj(traj::TrajArgs),
@@ -42,9 +34,6 @@ enum Action {
     /// Compares covariances with true errors: NEES of motions over 10 frames, share within the 95 % bounds.
     #[command(after_help = consistency::HELP)]
     Consistency(consistency::ConsistencyArgs),
-    /// Recognizes places in a sequence with three selections of features: precision-recall curves and their areas.
-    #[command(after_help = places::HELP)]
-    Places(places::PlacesArgs),
 }
 
 impl EvalCommand {
@@ -52,16 +41,15 @@ impl EvalCommand {
     ///
     /// # Errors
     /// Wrong input, or an output that cannot be written; the message names the file and what was expected.
-    pub fn run(self, host: &Host<'_>) -> Result<()> {
-        match self.action {
-            Action::Traj(args) => traj::run(&args),
-            Action::Run(args) => suite::run(&args),
-            Action::Table(args) => suite::table(&args),
-            Action::Compare(args) => suite::compare(&args),
-            Action::Plot(args) => suite::plot(&args),
-            Action::Loops(args) => loops::run(&args),
-            Action::Consistency(args) => consistency::run(&args),
-            Action::Places(args) => out::say(places::run(&args, host)?.trim_end()),
+    pub fn run(self) -> Result<()> {
+        match self {
+            EvalCommand::Traj(args) => traj::run(&args),
+            EvalCommand::Run(args) => suite::run(&args),
+            EvalCommand::Table(args) => suite::table(&args),
+            EvalCommand::Compare(args) => suite::compare(&args),
+            EvalCommand::Plot(args) => suite::plot(&args),
+            EvalCommand::Loops(args) => loops::run(&args),
+            EvalCommand::Consistency(args) => consistency::run(&args),
         }
     }
 }

@@ -53,7 +53,7 @@ Examples:
 
 /// Arguments of `dsslam eval run`.
 #[derive(Debug, Args)]
-pub(super) struct RunArgs {
+pub struct RunArgs {
     /// The suite.
     #[arg(value_name = "SUITE.yaml")]
     suite: PathBuf,
@@ -82,7 +82,7 @@ pub(super) struct RunArgs {
 
 /// Arguments of `dsslam eval table` and `dsslam eval plot`.
 #[derive(Debug, Args)]
-pub(super) struct ResultsArgs {
+pub struct ResultsArgs {
     /// Results folder of `dsslam eval run`.
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
@@ -96,7 +96,7 @@ pub(super) struct ResultsArgs {
 
 /// Arguments of `dsslam eval compare`.
 #[derive(Debug, Args)]
-pub(super) struct CompareArgs {
+pub struct CompareArgs {
     /// Results folder of `dsslam eval run`.
     #[arg(value_name = "RESULTS")]
     results: PathBuf,

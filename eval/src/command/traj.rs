@@ -23,7 +23,7 @@ Examples:
 
 /// Arguments of `dsslam eval traj`.
 #[derive(Debug, Args)]
-pub(super) struct TrajArgs {
+pub struct TrajArgs {
     /// Estimated trajectory.
     #[arg(value_name = "ESTIMATE")]
     est: PathBuf,

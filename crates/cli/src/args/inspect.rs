@@ -1,10 +1,12 @@
-//! Command line of the groups of commands: `dsslam inspect` and `dsslam shell`; and where commands have moved.
+//! Command line of the groups of commands: `dsslam inspect`, `dsslam eval` and `dsslam shell`; and where commands have moved.
 
 use clap::{Args, Subcommand};
+use eval::command::EvalCommand;
 
 use super::{ActivationArgs, VocabArgs};
 use crate::bag::BagArgs;
 use crate::help;
+use crate::places::{self, PlacesArgs};
 use crate::shell::{CompletionsArgs, ManArgs};
 use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
 
@@ -37,6 +39,25 @@ pub(crate) enum Inspect {
     /// Trains, describes and converts vocabularies for place recognition.
     #[command(after_help = help::with_codes(help::VOCAB))]
     Vocab(VocabArgs),
+}
+
+/// Arguments of `dsslam eval`.
+#[derive(Debug, Args)]
+pub(crate) struct EvalArgs {
+    /// What to evaluate.
+    #[command(subcommand)]
+    pub(crate) what: Eval,
+}
+
+/// What `dsslam eval` does.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Eval {
+    /// With files of trajectories, loops and results.
+    #[command(flatten)]
+    Of(EvalCommand),
+    /// Recognizes places in a sequence with three selections of features: precision-recall curves and their areas.
+    #[command(after_help = places::HELP)]
+    Places(PlacesArgs),
 }
 
 /// Arguments of `dsslam shell`.

@@ -17,7 +17,7 @@ use crate::doctor::DoctorArgs;
 use crate::export::ExportArgs;
 use crate::help;
 
-pub(crate) use inspect::{Inspect, InspectArgs, ShellArgs, ShellCommand, moved};
+pub(crate) use inspect::{Eval, EvalArgs, Inspect, InspectArgs, ShellArgs, ShellCommand, moved};
 pub(crate) use network::{ActivationArgs, NetworkArgs};
 pub(crate) use render::{DemoArgs, LayoutArg, SynthArgs, WorldArgs};
 pub(crate) use run::{RunArgs, ScheduleArg};
@@ -56,7 +56,7 @@ pub(crate) enum Command {
     View(ViewArgs),
     /// Evaluates trajectories and place recognition against ground truth, as tables and plots.
     #[command(after_help = help::with_codes(help::EVAL))]
-    Eval(eval::command::EvalCommand),
+    Eval(EvalArgs),
     /// Prints the default configuration, checks and explains one, or shows what a calibration file says.
     #[command(after_help = help::with_codes(help::CONFIG))]
     Config(ConfigArgs),

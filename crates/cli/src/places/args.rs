@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::args::NetworkArgs;
+
 /// Below `dsslam eval places --help`.
 pub(crate) const HELP: &str = "\
 Examples:
@@ -66,13 +68,9 @@ pub(crate) struct PlacesArgs {
     /// Overrides one key of the configuration; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) overrides: Vec<String>,
-    /// Network (ONNX) of `ours` instead of the built-in one: gray image in, activation map out.
-    #[arg(long, value_name = "FILE", help_heading = "Network")]
-    pub(super) dsfeat_model: Option<PathBuf>,
-    /// ONNX Runtime's library [default: ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
-    /// ~/.local/share/dsslam or in the system folders].
-    #[arg(long, value_name = "FILE", help_heading = "Network")]
-    pub(super) onnxruntime: Option<PathBuf>,
+    /// The network of `seman` and `ours`.
+    #[command(flatten)]
+    pub(super) network: NetworkArgs,
 }
 
 impl PlacesArgs {

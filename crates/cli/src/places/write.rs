@@ -6,8 +6,8 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::Outcome;
-use crate::loops::LoopTruth;
-use crate::plot::{PrecisionRecallFigure, save};
+use eval::LoopTruth;
+use eval::plot::{PrecisionRecallFigure, save};
 
 /// Writes `areas.csv`, `places.csv`, `curves.csv` and the figure.
 pub(super) fn files(folder: &Path, sequence: &str, outcomes: &[Outcome], truth: &LoopTruth) -> Result<()> {
