@@ -7,9 +7,9 @@ use crate::drive::{Drive, Stop};
 use crate::layout::SideStreet;
 use crate::lens::{LensCamera, Redrawing};
 use crate::library::{Common, Library};
-use crate::mesh::{Instance, Mesh, V3};
+use crate::mesh::{Instance, V3};
 use crate::preset::{Halts, Pace, Preset, Settings};
-use crate::render;
+use crate::render::{self, Shapes};
 use crate::sensor::{Eye, Sensor};
 use crate::town::{self, Scene};
 use crate::traffic::{Halt, Traffic, TrafficPlan};
@@ -70,9 +70,8 @@ pub struct World {
     rounds: u32,
     course: Course,
     drive: Drive,
-    meshes: Vec<Mesh>,
+    shapes: Shapes,
     still: Vec<Instance>,
-    library: Library,
     traffic: Traffic,
     sensor: Sensor,
     daylight: Daylight,
@@ -104,7 +103,7 @@ impl World {
             halts: &halts,
         };
         let traffic = Traffic::new(&plan, &mut scene, &common, seed);
-        let library = Library::bake(&scene.recipes.list);
+        let shapes = Shapes { library: Library::bake(&scene.recipes.list), meshes: scene.meshes };
         let n_frames = (drive.duration() * FRAME_RATE_HZ).floor() as usize + 1;
         let first_from_world = drive.pose(&course, 0.0).inverse();
         Self {
@@ -113,9 +112,8 @@ impl World {
             rounds,
             course,
             drive,
-            meshes: scene.meshes,
+            shapes,
             still: scene.instances,
-            library,
             traffic,
             sensor: Sensor::new(seed),
             daylight: Daylight::steady(),
@@ -210,13 +208,7 @@ impl World {
         let (left, right) = rayon::join(
             || {
                 let shot = self.sensor.shot(Eye::Left, i, moment.t, moment.light);
-                render::picture_and_truth(
-                    &moment.views[0],
-                    &self.meshes,
-                    &moment.instances,
-                    &self.library,
-                    &shot,
-                )
+                render::picture_and_truth(&moment.views[0], &self.shapes, &moment.instances, &shot)
             },
             || self.picture(&moment, Eye::Right, i),
         );
@@ -248,7 +240,7 @@ impl World {
     fn picture(&self, moment: &Moment, eye: Eye, i: usize) -> GrayImage {
         let shot = self.sensor.shot(eye, i, moment.t, moment.light);
         let view = &moment.views[usize::from(eye == Eye::Right)];
-        render::picture(view, &self.meshes, &moment.instances, &self.library, &shot)
+        render::picture(view, &self.shapes, &moment.instances, &shot)
     }
 
     fn moment(&self, i: usize) -> Moment {
@@ -285,7 +277,7 @@ impl LensRig<'_> {
             let shot = world.sensor.shot(eye, i, moment.t, moment.light);
             self.redrawings[usize::from(eye == Eye::Right)].image(&world_from_rig, |view, tile| {
                 let shot = shot.of_tile(tile);
-                render::picture(view, &world.meshes, &moment.instances, &world.library, &shot)
+                render::picture(view, &world.shapes, &moment.instances, &shot)
             })
         };
         let (left, right) = rayon::join(|| image(Eye::Left), || image(Eye::Right));
@@ -369,7 +361,7 @@ mod tests {
                 for vehicle in moment.instances.iter().filter(|v| vehicles.contains(&v.label)) {
                     let offset = moment.views[0].center - vehicle.placement.position;
                     let eye = vehicle.placement.rotation().transpose() * offset;
-                    let mesh = &world.meshes[vehicle.mesh as usize];
+                    let mesh = &world.shapes.meshes[vehicle.mesh as usize];
                     let reach = mesh.vertices.iter().fold(V3::zeros(), |reach, v| reach.sup(&v.abs()));
                     assert!(
                         eye.x.abs() > reach.x + 0.4 || eye.z.abs() > reach.z + 0.4,
