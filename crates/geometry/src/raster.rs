@@ -52,6 +52,15 @@ pub type GrayImage = Raster<u8>;
 /// Depth in units of the sensor; 0 where unknown.
 pub type DepthImage = Raster<u16>;
 
+impl DepthImage {
+    /// A depth as a depth image holds it: rounded; 0 for one that 16 bits do not hold.
+    #[must_use]
+    pub fn value(units: f64) -> u16 {
+        let units = units.round();
+        if units >= 1.0 && units <= f64::from(u16::MAX) { units as u16 } else { 0 }
+    }
+}
+
 impl<T: Copy> Raster<T> {
     /// A raster with the same value everywhere.
     #[must_use]
