@@ -46,7 +46,7 @@ pub fn html_report(
     for figure in figures {
         let caption = escape(&figure.caption);
         text +=
-            &format!("<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n", svg(&*figure.figure)?);
+            &format!("<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n", svg(&figure.figure)?);
     }
     if !problems.is_empty() {
         text += "<h2>Not drawn</h2>\n<ul>\n";

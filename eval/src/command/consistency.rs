@@ -10,7 +10,7 @@ use io::{Trajectory, read_trajectory};
 use super::out::say;
 use crate::consistency::{Consistency, ConsistencyOptions, ConsistentFrame, interpolated};
 use crate::frames_table::{FrameRow, read_frames};
-use crate::plot::{ConsistencyFigure, save};
+use crate::plot;
 
 pub(super) const HELP: &str = "\
 Compares each frame's motion since the frame 10 before it with the truth, in units of the covariance
@@ -63,7 +63,7 @@ pub(super) fn run(args: &ConsistencyArgs) -> Result<()> {
     if let Some(folder) = &args.plots {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let title = format!("Consistency of {}", args.run.display());
-        save(folder, "consistency", &ConsistencyFigure { title, consistency: found })?;
+        plot::save(folder, "consistency", &plot::consistency(&title, &found)?)?;
         say(format!("plots         {}", folder.display()))?;
     }
     Ok(())

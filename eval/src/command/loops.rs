@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::out::say;
 use crate::detections::detections_csv;
-use crate::plot::{PrecisionRecallFigure, save};
+use crate::plot;
 use crate::{Detection, LoopTruth, SamePlace, precision_recall, score_loops};
 
 pub(super) const HELP: &str = "\
@@ -86,9 +86,8 @@ pub(super) fn run(args: &LoopsArgs) -> Result<()> {
     if let Some(folder) = &args.plots {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let name = args.detections.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let figure =
-            PrecisionRecallFigure { title: "Place recognition".to_owned(), curves: vec![(name, curve)] };
-        save(folder, "precision_recall", &figure)?;
+        let figure = plot::precision_recall("Place recognition", &[(name, curve)])?;
+        plot::save(folder, "precision_recall", &figure)?;
     }
     Ok(())
 }

@@ -209,7 +209,7 @@ pub(super) fn plot(args: &ResultsArgs) -> Result<()> {
     let (results, baselines, folder) = args.open("plots")?;
     let (figures, problems) = result_figures(&results, &baselines);
     for figure in &figures {
-        plot::save(&folder, &figure.name, &*figure.figure)?;
+        plot::save(&folder, &figure.name, &figure.figure)?;
         say(format!("{}.png, .svg: {}", figure.name, figure.caption))?;
     }
     for problem in &problems {
