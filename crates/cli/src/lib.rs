@@ -48,7 +48,6 @@ use exit::{Exit, Failure};
 
 /// Runs the program with these arguments, of which the first is its name, and returns its exit code. Help, the version and wrong
 /// arguments end the process.
-#[must_use]
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let Cli { command, voice } = Cli::try_parse_from(arguments).unwrap_or_else(|error| refused(&error));
     console::set_voice(voice);

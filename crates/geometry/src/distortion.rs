@@ -21,13 +21,11 @@ pub struct Distortion {
 
 impl Distortion {
     /// Whether the lens does not distort.
-    #[must_use]
     pub fn is_zero(&self) -> bool {
         *self == Self::default()
     }
 
     /// The distorted place of an ideal normalized point.
-    #[must_use]
     pub fn distort(&self, ideal: &Vec2) -> Vec2 {
         let (x, y) = (ideal.x, ideal.y);
         let r_sq = x * x + y * y;
@@ -39,7 +37,6 @@ impl Distortion {
     }
 
     /// The derivative of [`Distortion::distort`] by the ideal point (a symmetric 2 by 2 matrix).
-    #[must_use]
     pub fn distort_jacobian(&self, ideal: &Vec2) -> Mat2 {
         let (x, y) = (ideal.x, ideal.y);
         let r_sq = x * x + y * y;
@@ -58,7 +55,6 @@ impl Distortion {
     /// The radius of ideal normalized points up to which the radial part grows, so that it can be inverted.
     ///
     /// Beyond it, the image of a point turns back towards the center. At most 1000, where every image has ended.
-    #[must_use]
     pub fn max_radius(&self) -> f64 {
         const END: f64 = 1000.0;
         let derivative = [1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3];
@@ -68,7 +64,6 @@ impl Distortion {
     /// The ideal normalized point of a distorted one, by Newton's method with step halving, to rounding precision.
     ///
     /// Beyond the radius where the model folds back there is no inverse; then the closest point reached is returned.
-    #[must_use]
     pub fn undistort(&self, distorted: &Vec2) -> Vec2 {
         if self.is_zero() {
             return *distorted;

@@ -83,7 +83,6 @@ pub struct World {
 impl World {
     /// Lays out the world of a seed and bakes its textures (about a second). `rounds` (at least 1) is how often the closed course is
     /// driven; an open street becomes longer by `rounds`.
-    #[must_use]
     pub fn new(preset: Preset, seed: u64, rounds: u32) -> Self {
         let rounds = rounds.max(1);
         let settings = preset.settings();
@@ -133,49 +132,41 @@ impl World {
     }
 
     /// Whether rounds after the first have light of their own.
-    #[must_use]
     pub fn is_relit(&self) -> bool {
         self.relit
     }
 
     /// Kind of world.
-    #[must_use]
     pub fn preset(&self) -> Preset {
         self.preset
     }
 
     /// The seed that everything follows from.
-    #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
     /// How often the course is driven.
-    #[must_use]
     pub fn rounds(&self) -> u32 {
         self.rounds
     }
 
     /// Number of frames of the whole drive, 10 per second.
-    #[must_use]
     pub fn n_frames(&self) -> usize {
         self.n_frames
     }
 
     /// Length of one round (of the whole street, if it is open), meters.
-    #[must_use]
     pub fn course_length_m(&self) -> f64 {
         self.course.length
     }
 
     /// Whether a round ends where it began.
-    #[must_use]
     pub fn is_closed(&self) -> bool {
         self.course.closed
     }
 
     /// The camera pair: KITTI's focal length and image size, 0.54 m apart, no distortion.
-    #[must_use]
     pub fn rig(&self) -> StereoRig {
         StereoRig {
             camera: Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 },
@@ -184,25 +175,21 @@ impl World {
     }
 
     /// Image width and height, pixels.
-    #[must_use]
     pub fn image_size(&self) -> (usize, usize) {
         (WIDTH, HEIGHT)
     }
 
     /// Time of frame `i`, seconds.
-    #[must_use]
     pub fn timestamp_s(&self, i: usize) -> f64 {
         i as f64 / FRAME_RATE_HZ
     }
 
     /// Pose of the left camera at frame `i` in the frame of the first left camera.
-    #[must_use]
     pub fn world_from_cam(&self, i: usize) -> SE3 {
         (self.first_from_world * self.drive.pose(&self.course, self.timestamp_s(i))).normalized()
     }
 
     /// Images, depth, labels and pose of frame `i`; beyond the drive's end the vehicle goes on at its last speed.
-    #[must_use]
     pub fn frame(&self, i: usize) -> StereoFrame {
         let moment = self.moment(i);
         let (left, right) = rayon::join(
@@ -223,7 +210,6 @@ impl World {
     }
 
     /// The images of [`World::frame`] alone, which is a little faster.
-    #[must_use]
     pub fn images(&self, i: usize) -> StereoImages {
         let moment = self.moment(i);
         let (left, right) =
@@ -232,7 +218,6 @@ impl World {
     }
 
     /// The world as raw cameras with lenses see it.
-    #[must_use]
     pub fn lens_rig(&self, cameras: &[LensCamera; 2]) -> LensRig<'_> {
         LensRig { world: self, redrawings: [0, 1].map(|i| Redrawing::new(&cameras[i])) }
     }
@@ -268,7 +253,6 @@ pub struct LensRig<'a> {
 
 impl LensRig<'_> {
     /// Left and right raw image of frame `i`.
-    #[must_use]
     pub fn images(&self, i: usize) -> [GrayImage; 2] {
         let world = self.world;
         let moment = world.moment(i);

@@ -19,7 +19,6 @@ pub struct Rational {
 
 impl Rational {
     /// The distorted place of an ideal normalized point.
-    #[must_use]
     pub fn distort(&self, ideal: &Vec2) -> Vec2 {
         let Distortion { p1, p2, .. } = self.upper;
         let (x, y) = (ideal.x, ideal.y);
@@ -32,7 +31,6 @@ impl Rational {
     }
 
     /// The derivative of [`Rational::distort`] by the ideal point (a symmetric 2 by 2 matrix).
-    #[must_use]
     pub fn distort_jacobian(&self, ideal: &Vec2) -> Mat2 {
         let Distortion { p1, p2, .. } = self.upper;
         let (x, y) = (ideal.x, ideal.y);
@@ -47,13 +45,11 @@ impl Rational {
     }
 
     /// The ideal normalized point of a distorted one; beyond [`Rational::max_radius`] the closest point reached.
-    #[must_use]
     pub fn undistort(&self, distorted: &Vec2) -> Vec2 {
         invert(distorted, |ideal| self.distort(ideal), |ideal| self.distort_jacobian(ideal))
     }
 
     /// The radius of ideal normalized points up to which the radial part grows; at most 1000.
-    #[must_use]
     pub fn max_radius(&self) -> f64 {
         const END: f64 = 1000.0;
         let (n, d) = self.polynomials();

@@ -90,7 +90,6 @@ impl fmt::Display for TwoViewFailure {
 
 impl TwoViewFailure {
     /// The failure in a few words without numbers, the same for every pair of views that fails so.
-    #[must_use]
     pub fn cause(&self) -> &'static str {
         match self {
             Self::TooFewMatches { .. } => "too few matches between two views",
