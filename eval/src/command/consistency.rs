@@ -12,16 +12,6 @@ use crate::consistency::{Consistency, ConsistencyOptions, ConsistentFrame, inter
 use crate::frames_table::{FrameRow, read_frames};
 use crate::plot;
 
-pub(super) const HELP: &str = "\
-Compares each frame's motion since the frame 10 before it with the truth, in units of the covariance
-in frames.csv (NEES, 6 degrees of freedom). Where covariances are right, 95 % of the values lie
-between 1.24 and 14.4, and their mean is 6.
-
-Examples:
-  dsslam eval consistency results/latest
-  dsslam eval consistency results/latest --plots out
-  dsslam eval consistency results/latest --ground-truth groundtruth.txt --truth-sigma 0.002,0.15";
-
 /// Times of a frame in two files differ by rounding only, seconds.
 const TIME_TOLERANCE_S: f64 = 5e-4;
 

@@ -10,13 +10,6 @@ use crate::detections::detections_csv;
 use crate::plot;
 use crate::{Detection, LoopTruth, SamePlace, precision_recall, score_loops};
 
-pub(super) const HELP: &str = "\
-DETECTIONS: one line per detection, 'query,answer' or 'query,answer,score' (frame numbers; a smaller score is better: the mean
-reprojection error of the RANSAC inliers). Scores add a precision-recall curve and its AUC.
-
-Examples:
-  dsslam eval loops detections.csv --poses kitti/poses/06.txt --min-gap 1 --plots out";
-
 /// Arguments of `dsslam eval loops`.
 #[derive(Debug, Args)]
 pub struct LoopsArgs {

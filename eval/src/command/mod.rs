@@ -14,25 +14,25 @@ use clap::Subcommand;
 #[derive(Debug, Subcommand)]
 pub enum EvalCommand {
     /// Compares one estimated trajectory with its ground truth: ATE, t_rel, r_rel, RPE, scale drift, coverage.
-    #[command(after_help = traj::EXAMPLES)]
+    #[command(after_help = include_str!("../../help/traj.txt"))]
     Traj(traj::TrajArgs),
     /// Runs a suite: sequences x configurations x repeats, resumable.
-    #[command(after_help = suite::RUN_HELP)]
+    #[command(after_help = include_str!("../../help/run.txt"))]
     Run(suite::RunArgs),
     /// Prints and writes tables of a suite's results beside published baselines.
-    #[command(after_help = suite::TABLE_HELP)]
+    #[command(after_help = include_str!("../../help/table.txt"))]
     Table(suite::ResultsArgs),
     /// Compares the cases of a suite with references, configurations with one another, and a suite with an earlier one.
-    #[command(after_help = suite::COMPARE_HELP)]
+    #[command(after_help = include_str!("../../help/compare.txt"))]
     Compare(suite::CompareArgs),
     /// Draws a suite's results (PNG, SVG) and writes a self-contained HTML report.
-    #[command(after_help = suite::PLOT_HELP)]
+    #[command(after_help = include_str!("../../help/plot.txt"))]
     Plot(suite::ResultsArgs),
     /// Scores detected loops: precision, recall, precision-recall curve.
-    #[command(after_help = loops::HELP)]
+    #[command(after_help = include_str!("../../help/loops.txt"))]
     Loops(loops::LoopsArgs),
     /// Compares covariances with true errors: NEES of motions over 10 frames, share within the 95 % bounds.
-    #[command(after_help = consistency::HELP)]
+    #[command(after_help = include_str!("../../help/consistency.txt"))]
     Consistency(consistency::ConsistencyArgs),
 }
 

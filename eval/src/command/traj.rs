@@ -15,12 +15,6 @@ use crate::{
     PairMode, RpeOptions, Statistics, TIMESTAMP_TOLERANCE_S,
 };
 
-pub(super) const EXAMPLES: &str = "\
-Examples:
-  dsslam eval traj results/latest/trajectory.kitti.txt kitti/poses/06.txt
-  dsslam eval traj est.txt groundtruth.txt --align sim3 --plots out/
-  dsslam eval traj est.txt gt.csv --tolerance 0.02 --lengths 5,10,20";
-
 /// Arguments of `dsslam eval traj`.
 #[derive(Debug, Args)]
 pub struct TrajArgs {

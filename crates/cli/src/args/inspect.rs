@@ -22,22 +22,22 @@ pub(crate) struct InspectArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Inspect {
     /// Draws the keypoints of an image.
-    #[command(after_help = help::with_codes(help::FEATURES))]
+    #[command(after_help = help::with_codes(include_str!("../../help/features.txt")))]
     Features(FeaturesArgs),
     /// Draws the matches of two images, inliers and outliers of one motion.
-    #[command(after_help = help::with_codes(help::MATCHING))]
+    #[command(after_help = help::with_codes(include_str!("../../help/match.txt")))]
     Match(MatchArgs),
     /// Draws the disparities of a stereo frame.
-    #[command(after_help = help::with_codes(help::STEREO))]
+    #[command(after_help = help::with_codes(include_str!("../../help/stereo.txt")))]
     Stereo(StereoArgs),
     /// Draws the activation of an image as a heat map, with the features that a selection keeps and drops.
-    #[command(after_help = help::with_codes(help::ACTIVATION))]
+    #[command(after_help = help::with_codes(include_str!("../../help/activation.txt")))]
     Activation(ActivationArgs),
     /// Lists the topics of a bag (rosbag2, MCAP, ROS 1) and what a run takes of it.
-    #[command(after_help = help::with_codes(help::BAG))]
+    #[command(after_help = help::with_codes(include_str!("../../help/bag.txt")))]
     Bag(BagArgs),
     /// Trains, describes and converts vocabularies for place recognition.
-    #[command(after_help = help::with_codes(help::VOCAB))]
+    #[command(after_help = help::with_codes(include_str!("../../help/vocab.txt")))]
     Vocab(VocabArgs),
 }
 
@@ -56,7 +56,7 @@ pub(crate) enum Eval {
     #[command(flatten)]
     Of(EvalCommand),
     /// Recognizes places in a sequence with three selections of features: precision-recall curves and their areas.
-    #[command(after_help = places::HELP)]
+    #[command(after_help = include_str!("../../help/places.txt"))]
     Places(PlacesArgs),
 }
 
@@ -72,10 +72,10 @@ pub(crate) struct ShellArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum ShellCommand {
     /// Prints shell completions.
-    #[command(after_help = help::with_codes(help::COMPLETIONS))]
+    #[command(after_help = help::with_codes(include_str!("../../help/completions.txt")))]
     Completions(CompletionsArgs),
     /// Prints the manual page, or writes the pages of all commands into a folder.
-    #[command(after_help = help::with_codes(help::MAN))]
+    #[command(after_help = help::with_codes(include_str!("../../help/man.txt")))]
     Man(ManArgs),
 }
 

@@ -7,17 +7,6 @@ use clap::{Args, ValueEnum};
 
 use crate::args::NetworkArgs;
 
-/// Below `dsslam eval places --help`.
-pub(crate) const HELP: &str = "\
-Examples:
-  dsslam eval places kitti/sequences/06 --out /tmp/places
-  dsslam eval places town --selection trad --every 2 --out /tmp/places
-
-Selections: trad (highest response), seman (the same off what may move), ours (highest activation
-of what will still be there another day).
-By default, words are weighted by what will still be there; --set weights.words=false weights all words equally.
-Files: areas.csv (a row per selection), places.csv (a row per query), curves.csv, precision_recall.png and .svg.";
-
 /// Arguments of `dsslam eval places`.
 #[derive(Debug, Args)]
 pub(crate) struct PlacesArgs {

@@ -24,7 +24,7 @@ use selections::Describer;
 use sight::{Memory, Sight};
 use verify::{Evidence, best};
 
-pub(crate) use args::{HELP, PlacesArgs};
+pub(crate) use args::PlacesArgs;
 
 /// What was retrieved for one query by one selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
