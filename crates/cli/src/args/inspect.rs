@@ -6,7 +6,7 @@ use eval::command::EvalCommand;
 use super::{ActivationArgs, VocabArgs};
 use crate::bag::BagArgs;
 use crate::help;
-use crate::places::{self, PlacesArgs};
+use crate::places::PlacesArgs;
 use crate::shell::{CompletionsArgs, ManArgs};
 use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
 
