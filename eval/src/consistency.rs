@@ -99,7 +99,6 @@ impl Consistency {
     }
 
     /// The factor on standard deviations with which the mean would be right; by the median it is less drawn by single large errors.
-    #[must_use]
     pub fn factors(&self) -> [f64; 2] {
         [(self.mean / N).sqrt(), (self.median / CHI2_MEDIAN).sqrt()]
     }
@@ -121,7 +120,6 @@ fn truth_noise(earlier: &ConsistentFrame, later: &ConsistentFrame, options: &Con
 }
 
 /// The pose at a time: that of the same time, else between the two around it, on the shortest way.
-#[must_use]
 pub fn interpolated(truth: &Trajectory, timestamp_s: f64) -> Option<SE3> {
     let after = truth.poses.partition_point(|pose| pose.timestamp_s < timestamp_s - SAME_TIME_S);
     let next = truth.poses.get(after)?;

@@ -1,13 +1,11 @@
 //! The figures of a suite's results, with their file names and captions.
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use geometry::Vec3;
 
 use crate::baseline::{Baseline, Metric};
 use crate::drift::DriftBin;
-use crate::plot::{
-    BarFigure, DriftAxis, DriftFigure, ErrorFigure, Figure, PrecisionRecallFigure, TrajectoryFigure, View,
-};
+use crate::plot::{self, Canvas, DriftAxis, View};
 use crate::suite::{Results, RunPaths, RunResult};
 use crate::table::{Row, metric_table};
 
@@ -18,29 +16,26 @@ pub struct NamedFigure {
     /// What it shows.
     pub caption: String,
     /// The figure.
-    pub figure: Box<dyn Figure>,
+    pub figure: Canvas,
 }
 
 /// All figures of the results: of the suite first, then of each run (first repeats); and what could not be drawn.
 pub fn result_figures(results: &Results, baselines: &[Baseline]) -> (Vec<NamedFigure>, Vec<String>) {
-    let mut figures = bars(results, baselines);
-    figures.extend(drifts(results));
-    let mut problems = Vec::new();
-    match precision_recalls(results) {
-        Ok(curves) => figures.extend(curves),
-        Err(problem) => problems.push(format!("{problem:#}")),
-    }
-    for run in results.runs.iter().filter(|run| run.id.repeat == 1 && run.is_done()) {
-        match run_figures(results, run) {
-            Ok(of_run) => figures.extend(of_run),
-            Err(problem) => problems.push(format!("{}: {problem:#}", run.id)),
+    let parts = [bars(results, baselines), drifts(results), precision_recalls(results)];
+    let first = results.runs.iter().filter(|run| run.id.repeat == 1 && run.is_done());
+    let of_runs = first.map(|run| run_figures(results, run).with_context(|| run.id.to_string()));
+    let (mut figures, mut problems) = (Vec::new(), Vec::new());
+    for part in parts.into_iter().chain(of_runs) {
+        match part {
+            Ok(part) => figures.extend(part),
+            Err(problem) => problems.push(format!("{problem:#}")),
         }
     }
     (figures, problems)
 }
 
 /// One chart per metric, from the same table that is printed.
-fn bars(results: &Results, baselines: &[Baseline]) -> Vec<NamedFigure> {
+fn bars(results: &Results, baselines: &[Baseline]) -> Result<Vec<NamedFigure>> {
     let metrics = [Metric::TRelPercent, Metric::RRelDegPer100m, Metric::AteRmseM, Metric::Auc];
     let chart = |metric: Metric| {
         let table = metric_table(results, baselines, metric)?;
@@ -54,23 +49,18 @@ fn bars(results: &Results, baselines: &[Baseline]) -> Vec<NamedFigure> {
             .map(|(c, name)| (name.clone(), rows.iter().map(|row| row.cells[c].value).collect()))
             .collect();
         series.iter().flat_map(|s| &s.1).flatten().next()?;
-        let figure = BarFigure {
-            title: table.title.clone(),
-            y_label: metric.label().to_owned(),
-            groups: rows.iter().map(|row| row.name.clone()).collect(),
-            series,
-        };
-        Some(NamedFigure {
+        let groups: Vec<String> = rows.iter().map(|row| row.name.clone()).collect();
+        Some(plot::bars(&table.title, metric.label(), &groups, &series).map(|figure| NamedFigure {
             name: format!("bars_{}", metric.file_name()),
             caption: format!("{} of each sequence beside published results", metric.label()),
-            figure: Box::new(figure),
-        })
+            figure,
+        }))
     };
     metrics.into_iter().filter_map(chart).collect()
 }
 
 /// Drift by length and by speed, all sequences together, one curve per configuration.
-fn drifts(results: &Results) -> Vec<NamedFigure> {
+fn drifts(results: &Results) -> Result<Vec<NamedFigure>> {
     let kinds =
         [("drift_length", DriftAxis::Length, "segment length"), ("drift_speed", DriftAxis::Speed, "speed")];
     let figure = |(name, axis, what): (&str, DriftAxis, &str)| {
@@ -86,10 +76,10 @@ fn drifts(results: &Results) -> Vec<NamedFigure> {
         let curves: Vec<_> =
             names.map(|name| (name.clone(), curve(name))).filter(|c| !c.1.is_empty()).collect();
         let title = format!("{}: drift by {what}, all sequences", results.plan.name);
-        (!curves.is_empty()).then(|| NamedFigure {
-            name: name.to_owned(),
-            caption: format!("Drift by {what}, segments of all sequences together"),
-            figure: Box::new(DriftFigure { title, axis, curves }),
+        (!curves.is_empty()).then(|| {
+            let caption = format!("Drift by {what}, segments of all sequences together");
+            let figure = plot::drift(&title, axis, &curves)?;
+            Ok(NamedFigure { name: name.to_owned(), caption, figure })
         })
     };
     kinds.into_iter().filter_map(figure).collect()
@@ -127,7 +117,7 @@ fn precision_recalls(results: &Results) -> Result<Vec<NamedFigure>> {
             figures.push(NamedFigure {
                 name: format!("precision_recall_{}", sequence.name),
                 caption: format!("Precision over recall on {}", sequence.name),
-                figure: Box::new(PrecisionRecallFigure { title, curves }),
+                figure: plot::precision_recall(&title, &curves)?,
             });
         }
     }
@@ -139,17 +129,14 @@ pub(crate) fn path_figures(
     title: &str,
     estimate: &[Option<Vec3>],
     ground_truth: &[Vec3],
-) -> Vec<(&'static str, &'static str, Box<dyn Figure>)> {
-    let path = |view| -> Box<dyn Figure> {
-        let (estimate, ground_truth) = (estimate.to_vec(), ground_truth.to_vec());
-        Box::new(TrajectoryFigure { title: title.to_owned(), estimate, ground_truth, view })
-    };
-    let mut figures = vec![("top", "top view", path(View::Top)), ("side", "side view", path(View::Side))];
+) -> Result<Vec<(&'static str, &'static str, Canvas)>> {
+    let path = |view| plot::trajectory(title, estimate, ground_truth, view);
+    let mut figures = vec![("top", "top view", path(View::Top)?), ("side", "side view", path(View::Side)?)];
     if !ground_truth.is_empty() {
-        let error = Box::new(ErrorFigure::new(title, estimate, ground_truth));
+        let error = plot::error(title, estimate, ground_truth)?;
         figures.push(("error", "error along the path, after alignment", error));
     }
-    figures
+    Ok(figures)
 }
 
 /// Top view, side view and error of one run.
@@ -157,12 +144,12 @@ fn run_figures(results: &Results, run: &RunResult) -> Result<Vec<NamedFigure>> {
     let paths = RunPaths::of(run)?;
     let run_name = format!("{}_{}", run.id.sequence, run.id.configuration);
     let title = format!("{} {}, {}", results.plan.name, run.id.sequence, run.id.configuration);
-    let named = |(what, caption, figure): (&str, &str, Box<dyn Figure>)| NamedFigure {
+    let named = |(what, caption, figure): (&str, &str, Canvas)| NamedFigure {
         name: format!("{run_name}_{what}"),
         caption: format!("{title}: {caption}"),
         figure,
     };
-    Ok(path_figures(&title, &paths.estimate, &paths.ground_truth).into_iter().map(named).collect())
+    Ok(path_figures(&title, &paths.estimate, &paths.ground_truth)?.into_iter().map(named).collect())
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
+use csv::StringRecord;
 use geometry::PoseCovariance;
 
 /// A row of `frames.csv`.
@@ -36,21 +37,23 @@ pub fn read_frames(path: &Path) -> Result<Vec<FrameRow>> {
     let text = io::check_file(path)
         .and_then(|_| std::fs::read_to_string(path))
         .with_context(|| format!("{}: cannot be read; `dsslam run` writes it", path.display()))?;
-    let mut table = table(&text).into_iter();
-    let header = table.next().unwrap_or_default();
+    let mut table = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_bytes());
+    let header = table.headers()?.clone();
     for name in ["frame", "timestamp_s", "state", "submap"] {
         let is_there = header.iter().any(|column| column == name);
         ensure!(is_there, "{}: no column `{name}` in the first line", path.display());
     }
-    let row = |(i, cells): (usize, Vec<String>)| {
-        row(&header, &cells).with_context(|| format!("{} line {}", path.display(), i + 2))
+    let row = |cells: csv::Result<StringRecord>| {
+        let cells = cells?;
+        let line = cells.position().map_or(0, csv::Position::line);
+        row(&header, &cells).with_context(|| format!("{} line {line}", path.display()))
     };
-    table.enumerate().map(row).collect()
+    table.records().map(row).collect()
 }
 
-fn row(header: &[String], cells: &[String]) -> Result<FrameRow> {
+fn row(header: &StringRecord, cells: &StringRecord) -> Result<FrameRow> {
     ensure!(cells.len() == header.len(), "{} cells, expected {}", cells.len(), header.len());
-    let column = |name: &str| Some(cells[header.iter().position(|column| column == name)?].as_str());
+    let column = |name: &str| cells.get(header.iter().position(|column| column == name)?);
     let text = |name: &str| column(name).unwrap_or_default();
     let number = |text: &str, what: &str| text.parse::<f64>().with_context(|| format!("{what} `{text}`"));
     let covariance: Option<Vec<&str>> =
@@ -81,29 +84,6 @@ fn triangle(cells: &[&str]) -> Result<PoseCovariance> {
         *value = cell.parse().with_context(|| format!("covariance `{cell}`"))?;
     }
     PoseCovariance::of_triangle(&triangle).context("the covariance is not positive definite")
-}
-
-/// The cells of a CSV text; quotes around a cell keep its commas and its ends of lines and are taken off.
-fn table(text: &str) -> Vec<Vec<String>> {
-    let (mut rows, mut row, mut cell) = (Vec::new(), Vec::new(), String::new());
-    let (mut is_quoted, mut characters) = (false, text.chars().peekable());
-    while let Some(character) = characters.next() {
-        match character {
-            '"' if is_quoted && characters.peek() == Some(&'"') => cell.extend(characters.next()),
-            '"' => is_quoted = !is_quoted,
-            ',' if !is_quoted => row.push(std::mem::take(&mut cell)),
-            '\n' if !is_quoted => {
-                row.push(std::mem::take(&mut cell));
-                rows.push(std::mem::take(&mut row));
-            }
-            other => cell.push(other),
-        }
-    }
-    if !cell.is_empty() || !row.is_empty() {
-        row.push(cell);
-        rows.push(row);
-    }
-    rows
 }
 
 #[cfg(test)]
@@ -153,7 +133,9 @@ mod tests {
 
     #[test]
     fn cells_may_hold_commas_quotes_and_lines() {
-        let text = "a,b\n1,\"x, \"\"y\"\"\nz\"\n2,\n";
-        assert_eq!(table(text), [vec!["a", "b"], vec!["1", "x, \"y\"\nz"], vec!["2", ""]]);
+        let text =
+            "frame,timestamp_s,state,submap,reason\n1,0.5,lost,,\"x, \"\"y\"\"\nz\"\n2,0.6,dropped,,\n";
+        let reasons: Vec<String> = read(text).unwrap().into_iter().map(|row| row.reason).collect();
+        assert_eq!(reasons, ["x, \"y\"\nz", ""]);
     }
 }

@@ -8,17 +8,7 @@ use crate::plot::svg;
 use crate::suite::Results;
 use crate::table::{escape, metric_table, runs_table};
 
-const STYLE: &str = "\
-body { font: 16px/1.5 sans-serif; color: #222; max-width: 60rem; margin: 2rem auto; padding: 0 1rem }
-table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums }
-th, td { padding: .25rem .6rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap }
-tr > th:first-child { text-align: left }
-tr.summary > * { border-top: 1px solid #222; font-style: italic }
-td.best { font-weight: bold }
-.scroll { overflow-x: auto }
-figure { margin: 1.5rem 0 } figure svg { max-width: 100%; height: auto }
-figcaption, ul { font-size: 14px; color: #555 }
-";
+const STYLE: &str = include_str!("report.css");
 
 /// The report's text. `problems`: what could not be drawn.
 ///
@@ -46,7 +36,7 @@ pub fn html_report(
     for figure in figures {
         let caption = escape(&figure.caption);
         text +=
-            &format!("<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n", svg(&*figure.figure)?);
+            &format!("<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n", svg(&figure.figure)?);
     }
     if !problems.is_empty() {
         text += "<h2>Not drawn</h2>\n<ul>\n";

@@ -12,7 +12,6 @@ use crate::topic::{Kind, Topic};
 use crate::wire::{Decoded, Wire};
 
 /// Whether a path is a bag by its name, or a folder with one.
-#[must_use]
 pub fn is_bag(path: &Path) -> bool {
     metadata::is_bag(path)
 }
@@ -172,25 +171,21 @@ impl Bag {
     }
 
     /// File or folder.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// The topics, in the order of their first messages.
-    #[must_use]
     pub fn topics(&self) -> &[Topic] {
         &self.topics
     }
 
     /// Images of a topic, by stamp.
-    #[must_use]
     pub fn stamps(&self, topic: usize) -> &[Stamp] {
         &self.stamps[topic]
     }
 
     /// The `CameraInfo` beside an image topic: that of the same folder of names.
-    #[must_use]
     pub fn camera_of(&self, image_topic: usize) -> Option<&CameraInfo> {
         let mut folder = self.topics[image_topic].name.as_str();
         while let Some((parent, _)) = folder.rsplit_once('/') {
@@ -206,13 +201,11 @@ impl Bag {
     }
 
     /// The poses of the topic that was asked for.
-    #[must_use]
     pub fn poses(&self) -> &PoseStream {
         &self.poses
     }
 
     /// What there is to say about the bag: where it is broken, and what was left out.
-    #[must_use]
     pub fn remarks(&self) -> &[String] {
         &self.remarks
     }

@@ -66,7 +66,6 @@ pub struct Choice {
 
 impl Choice {
     /// The sensor that these topics are.
-    #[must_use]
     pub fn sensor(&self) -> Sensor {
         match (self.right, self.depth) {
             (Some(_), _) => Sensor::Stereo,

@@ -32,7 +32,6 @@ impl Picture {
     }
 
     /// Brightness; `None` for depth.
-    #[must_use]
     pub fn into_gray(self) -> Option<GrayImage> {
         match self {
             Picture::Gray(image) => Some(image),
@@ -41,13 +40,9 @@ impl Picture {
     }
 
     /// Depth in these units; `None` for an image. What does not fit 16 bits is unknown.
-    #[must_use]
     pub fn into_depth(self, units_per_meter: f64) -> Option<DepthImage> {
         let Picture::Depth(meters) = self else { return None };
-        let unit = |meters: f32| {
-            let units = (f64::from(meters) * units_per_meter).round();
-            if units >= 1.0 && units <= f64::from(u16::MAX) { units as u16 } else { 0 }
-        };
+        let unit = |meters: f32| DepthImage::value(f64::from(meters) * units_per_meter);
         let Raster { width, height, data } = meters;
         Some(DepthImage { width, height, data: data.into_iter().map(unit).collect() })
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use mcap::parse_record;
-use mcap::records::Record;
+use mcap::records::{Record, op};
 
 use crate::error::BagError;
 use crate::storage::{Pieces, Place, Seen, Storage, limited, plain, unzstd};
@@ -14,14 +14,6 @@ use crate::wire::Wire;
 pub(crate) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// A record's code and length.
 const HEAD: u64 = 9;
-
-mod op {
-    pub(super) const FOOTER: u8 = 0x02;
-    pub(super) const SCHEMA: u8 = 0x03;
-    pub(super) const CHANNEL: u8 = 0x04;
-    pub(super) const MESSAGE: u8 = 0x05;
-    pub(super) const CHUNK: u8 = 0x06;
-}
 
 /// Channel number, log and publish time before a message's data: 2 + 4 + 8 + 8 bytes.
 const MESSAGE_HEAD: usize = 22;

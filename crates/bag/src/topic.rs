@@ -40,13 +40,11 @@ impl Kind {
     }
 
     /// Whether its messages are images.
-    #[must_use]
     pub fn is_image(self) -> bool {
         matches!(self, Kind::Image | Kind::CompressedImage)
     }
 
     /// Whether its messages hold poses.
-    #[must_use]
     pub fn has_poses(self) -> bool {
         matches!(self, Kind::Odometry | Kind::PoseStamped | Kind::TransformStamped | Kind::Transforms)
     }
@@ -87,7 +85,6 @@ impl Topic {
     }
 
     /// Messages per second; `None` for fewer than two.
-    #[must_use]
     pub fn rate_hz(&self) -> Option<f64> {
         let (first, last) = self.span_ns?;
         let seconds = last.checked_sub(first)? as f64 * 1e-9;

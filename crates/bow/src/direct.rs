@@ -13,7 +13,6 @@ pub struct DirectIndex {
 
 impl DirectIndex {
     /// The index of features `0..` whose nodes are these.
-    #[must_use]
     pub fn from_nodes(node_of_feature: &[u32]) -> Self {
         let mut features: Vec<u32> = (0..node_of_feature.len() as u32).collect();
         features.sort_by_key(|&feature| node_of_feature[feature as usize]);
@@ -29,13 +28,11 @@ impl DirectIndex {
     }
 
     /// Number of nodes that have features.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
     /// Whether there is no feature at all.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -46,7 +43,6 @@ impl DirectIndex {
     }
 
     /// Features under a node; none for a node that does not occur.
-    #[must_use]
     pub fn features_of(&self, node: u32) -> &[u32] {
         self.nodes.binary_search(&node).map_or(&[], |i| self.group(i))
     }

@@ -50,7 +50,6 @@ pub struct NodeMatch {
 /// Each feature of `a` takes the nearest one of `b` under its node (the first of equals) if it passes distance and ratio;
 /// a feature of `b` that several want goes to the nearest (the first of equals). With keypoints on both sides only the
 /// matches whose rotation agrees with most remain.
-#[must_use]
 pub fn match_by_node(a: &MatchSide<'_>, b: &MatchSide<'_>, options: &MatchOptions) -> Vec<NodeMatch> {
     let mut matches = run_counting(Nearest { a, b, options });
     matches.sort_unstable_by_key(|m| (m.b, m.distance, m.a));

@@ -23,7 +23,6 @@ pub enum Format {
 
 impl Format {
     /// The format to write a file of this name in: text for the ending `.txt`, otherwise our own.
-    #[must_use]
     pub fn of_name(path: &Path) -> Self {
         let is_text = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("txt"));
         if is_text { Self::Text } else { Self::Binary }
@@ -136,7 +135,6 @@ pub struct Info {
 
 impl Info {
     /// The facts about this vocabulary.
-    #[must_use]
     pub fn of(vocabulary: &Vocabulary) -> Self {
         let tree = vocabulary.tree();
         let origin = vocabulary.origin();

@@ -25,14 +25,12 @@ impl Vocabulary {
     ///
     /// `activation`, one weight per descriptor, multiplies what a feature adds to the vector; features whose weight is not
     /// positive and finite add nothing. Missing weights count as one. All features are in the direct index.
-    #[must_use]
     pub fn transform(&self, descriptors: &[Descriptor], activation: Option<&[f32]>) -> Transformed {
         self.transform_at(descriptors, activation, DIRECT_LEVEL)
     }
 
     /// As [`Vocabulary::transform`] with the nodes of the direct index at another level, 0 being the root; where a word
     /// stands above that level, it is the node.
-    #[must_use]
     pub fn transform_at(
         &self,
         descriptors: &[Descriptor],
@@ -52,7 +50,6 @@ impl Vocabulary {
     }
 
     /// The word of each descriptor.
-    #[must_use]
     pub fn words_of(&self, descriptors: &[Descriptor]) -> Vec<u32> {
         run_counting(Descend { tree: self.tree(), descriptors, level: 0 }).words
     }

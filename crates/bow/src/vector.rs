@@ -11,7 +11,6 @@ impl BowVector {
     /// The normalized vector of these (word, weight) pairs, in any order, words may repeat.
     ///
     /// Weights of equal words are added in the order given; words whose weight is not positive and finite are skipped.
-    #[must_use]
     pub fn from_weights(mut pairs: Vec<(u32, f32)>) -> Self {
         pairs.retain(|&(_, weight)| weight > 0.0 && weight.is_finite());
         pairs.sort_by_key(|&(word, _)| word);
@@ -30,25 +29,21 @@ impl BowVector {
     }
 
     /// Words, ascending.
-    #[must_use]
     pub fn words(&self) -> &[u32] {
         &self.words
     }
 
     /// Weight of each word, above zero.
-    #[must_use]
     pub fn weights(&self) -> &[f32] {
         &self.weights
     }
 
     /// Number of different words.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.words.len()
     }
 
     /// Whether there is no word at all.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.words.is_empty()
     }
@@ -62,7 +57,6 @@ impl BowVector {
     ///
     /// For vectors whose weights add up to one this is the sum of the smaller weights of the shared words
     /// (Nister and Stewenius, CVPR 2006, section 4).
-    #[must_use]
     pub fn score(&self, other: &Self) -> f64 {
         self.overlap(other).1
     }

@@ -107,7 +107,6 @@ impl Vocabulary {
     }
 
     /// The bytes of its file.
-    #[must_use]
     pub fn as_bytes(&self) -> &[u8] {
         &self.block.bytes()[..self.layout.total]
     }
@@ -117,50 +116,42 @@ impl Vocabulary {
     }
 
     /// Most children of a node.
-    #[must_use]
     pub fn branching(&self) -> u32 {
         self.header.branching
     }
 
     /// Most steps from the root to a leaf.
-    #[must_use]
     pub fn levels(&self) -> u32 {
         self.header.levels
     }
 
     /// Number of nodes, the root included; words are below this number.
-    #[must_use]
     pub fn n_nodes(&self) -> u32 {
         self.header.n_nodes
     }
 
     /// Number of words (leaves).
-    #[must_use]
     pub fn n_words(&self) -> u32 {
         self.header.n_words
     }
 
     /// What it was trained on.
-    #[must_use]
     pub fn origin(&self) -> Origin {
         self.header.origin
     }
 
     /// The children of a node, empty for a word; `None` when there is no such node.
-    #[must_use]
     pub fn children(&self, node: u32) -> Option<Range<u32>> {
         let children = self.tree().children((node < self.n_nodes()).then_some(node as usize)?);
         Some(children.start as u32..children.end as u32)
     }
 
     /// The median of a node (zero for the root); `None` when there is no such node.
-    #[must_use]
     pub fn median(&self, node: u32) -> Option<Descriptor> {
         self.tree().medians.get(node as usize).copied().map(Descriptor)
     }
 
     /// The inverse document frequency of a word; `None` when there is no such node.
-    #[must_use]
     pub fn weight(&self, node: u32) -> Option<f32> {
         self.tree().weights.get(node as usize).copied()
     }

@@ -19,6 +19,7 @@ mod help;
 mod job;
 mod mcap_export;
 mod outputs;
+mod places;
 mod progress;
 mod recorded_frames;
 mod render;
@@ -47,7 +48,6 @@ use exit::{Exit, Failure};
 
 /// Runs the program with these arguments, of which the first is its name, and returns its exit code. Help, the version and wrong
 /// arguments end the process.
-#[must_use]
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let Cli { command, voice } = Cli::try_parse_from(arguments).unwrap_or_else(|error| refused(&error));
     console::set_voice(voice);
@@ -76,7 +76,7 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::View(args) => show::view(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Synth(args) => render::run(&args),
-        Command::Eval(command) => evaluate::run(command),
+        Command::Eval(args) => evaluate::run(args.what),
         Command::Config(args) => config::run(&args.action),
         Command::Export(args) => export::run(&args),
         Command::Inspect(args) => match args.what {

@@ -7,8 +7,9 @@ use anyhow::{Context, Result};
 use dsslam::submaps::{Submap, of_submap, submaps};
 use dsslam::trajectories::{body_records, own_pose, pose_per_frame, tracked_poses};
 use dsslam::{Compared, Error, Finished};
-use eval::plot::{TrajectoryFigure, View, save_png};
+use eval::plot::{self, View, save_png};
 use eval::{Evaluation, Subject};
+use geometry::Vec3;
 use runtime::FrameRecord;
 use serde::Serialize;
 
@@ -197,34 +198,27 @@ fn write_truth(files: &mut Files<'_>, job: &Job, whole: &Part<'_>) {
     }
 }
 
-/// Draws the estimate, if there is one.
+/// Draws the estimate, if there is one, aligned where that is possible, over the true path; frames without a pose are gaps.
 fn draw(files: &mut Files<'_>, name: &str, job: &Job, part: &Part<'_>) {
-    let figure = figure(&job.sequence().name, part);
-    if figure.estimate.iter().any(Option::is_some) {
-        let draw = |path: &Path| save_png(path, &figure);
+    let sequence = &job.sequence().name;
+    let mut title = sequence.clone();
+    let (mut estimate, mut truth) = (positions(part.frames), Vec::new());
+    if let Some((compared, errors)) = part.compared.as_ref().zip(part.errors()) {
+        title = format!("{sequence}: ATE {:.3} m over {:.0} m", errors.ate_m.rmse, errors.path_m);
+        estimate = positions(&compared.frames);
+        estimate.iter_mut().flatten().for_each(|position| *position = errors.aligned(position));
+        let last_time = part.frames.last().map_or(f64::INFINITY, |record| record.timestamp_s) + 0.5;
+        let driven = compared.truth.poses.iter().filter(|pose| pose.timestamp_s <= last_time);
+        truth = driven.map(|pose| pose.world_from_cam.translation).collect();
+    }
+    if estimate.iter().any(Option::is_some) {
+        let draw = |path: &Path| save_png(path, &plot::trajectory(&title, &estimate, &truth, View::Top)?);
         let drawn = files.folder.write_with(name, draw).context("a plot");
         files.note(drawn);
     }
 }
 
-/// The estimate, aligned where that is possible, over the true path; frames without a pose are gaps.
-fn figure(name: &str, part: &Part<'_>) -> TrajectoryFigure {
-    let Some((compared, errors)) = part.compared.as_ref().zip(part.errors()) else {
-        let estimate = part.frames.iter().map(|record| Some(own_pose(record)?.translation)).collect();
-        return TrajectoryFigure {
-            title: name.to_owned(),
-            estimate,
-            ground_truth: Vec::new(),
-            view: View::Top,
-        };
-    };
-    let position = |record: &FrameRecord| Some(errors.aligned(&own_pose(record)?.translation));
-    let last_time = part.frames.last().map_or(f64::INFINITY, |record| record.timestamp_s) + 0.5;
-    let driven = compared.truth.poses.iter().filter(|pose| pose.timestamp_s <= last_time);
-    TrajectoryFigure {
-        title: format!("{name}: ATE {:.3} m over {:.0} m", errors.ate_m.rmse, errors.path_m),
-        estimate: compared.frames.iter().map(position).collect(),
-        ground_truth: driven.map(|pose| pose.world_from_cam.translation).collect(),
-        view: View::Top,
-    }
+/// Where the frames are; `None` for those without a pose.
+fn positions(frames: &[FrameRecord]) -> Vec<Option<Vec3>> {
+    frames.iter().map(|record| Some(own_pose(record)?.translation)).collect()
 }

@@ -23,20 +23,17 @@ pub struct Stroke {
 
 impl Canvas {
     /// An empty canvas of one color.
-    #[must_use]
     pub fn new(width: usize, height: usize, fill: Color) -> Self {
         Self { image: Raster::new(width, height, fill) }
     }
 
     /// A gray image, each pixel a square of `zoom` pixels; see [`Canvas::magnified`].
-    #[must_use]
     pub fn of_gray(image: &GrayImage, zoom: usize) -> Self {
         let pixel = |x: usize, y: usize| [image.at(x / zoom, y / zoom); 3];
         Self { image: Raster::from_fn(image.width * zoom, image.height * zoom, pixel) }
     }
 
     /// Where a position of the image lies on a canvas that shows it `zoom` times as large.
-    #[must_use]
     pub fn magnified(position: &Vec2, zoom: usize) -> Vec2 {
         position.map(|v| (v + 0.5) * zoom as f64 - 0.5)
     }
@@ -133,7 +130,6 @@ impl Canvas {
     }
 
     /// The canvases one below the other, white where one is narrower.
-    #[must_use]
     pub fn stacked(parts: &[Canvas]) -> Self {
         let width = parts.iter().map(|part| part.image.width).max().unwrap_or(0);
         let height = parts.iter().map(|part| part.image.height).sum();

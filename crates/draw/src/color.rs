@@ -36,7 +36,6 @@ const VIRIDIS: [Color; 10] = [
 
 /// The color of an amount: `viridis`, dark violet at 0 over green to bright yellow at 1; what lies outside has the end's color, and
 /// NaN that of 0.
-#[must_use]
 pub fn gradient(amount: f64) -> Color {
     let place = if amount.is_nan() { 0.0 } else { amount.clamp(0.0, 1.0) } * (VIRIDIS.len() - 1) as f64;
     let below = (place as usize).min(VIRIDIS.len() - 2);
@@ -44,7 +43,6 @@ pub fn gradient(amount: f64) -> Color {
 }
 
 /// A bright color for an amount, for thin lines over gray images: red at 0 over yellow and green to blue at 1.
-#[must_use]
 pub fn spread(amount: f64) -> Color {
     const STOPS: [Color; 5] = [[255, 60, 40], [255, 190, 0], [120, 230, 40], [0, 205, 215], [90, 120, 255]];
     let place = if amount.is_nan() { 0.0 } else { amount.clamp(0.0, 1.0) } * (STOPS.len() - 1) as f64;

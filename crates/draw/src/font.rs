@@ -29,7 +29,6 @@ fn glyphs(text: &str, size_px: f32, x: f32, y: f32) -> (Vec<Glyph>, f32) {
 }
 
 /// Width of a line of text, pixels.
-#[must_use]
 pub fn text_width(text: &str, size_px: f32) -> f32 {
     glyphs(text, size_px, 0.0, 0.0).1
 }

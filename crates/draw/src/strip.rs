@@ -29,13 +29,11 @@ const MARGIN_PX: usize = 10;
 
 impl Swatch {
     /// A kind of thing with its color.
-    #[must_use]
     pub fn kind(color: Color, label: impl Into<String>) -> Self {
         Self { colors: vec![color; 24], label: label.into() }
     }
 
     /// A scale from `color(0)` to `color(1)`.
-    #[must_use]
     pub fn scale(color: impl Fn(f64) -> Color, label: impl Into<String>) -> Self {
         const N: usize = 160;
         Self { colors: (0..N).map(|i| color(i as f64 / (N - 1) as f64)).collect(), label: label.into() }
@@ -48,7 +46,6 @@ impl Swatch {
 
 impl Strip {
     /// The strip, `width` pixels wide; swatches that do not fit go to further lines.
-    #[must_use]
     pub fn drawn(&self, width: usize) -> Canvas {
         let mut places = Vec::new();
         let (mut left, mut line) = (MARGIN_PX, 1);

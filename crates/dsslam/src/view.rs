@@ -166,13 +166,15 @@ impl<'a> DepthView<'a> {
                 for row in rows(data, height, self.stride, width, NAME)? {
                     match factor {
                         None => values.extend_from_slice(row),
-                        Some(factor) => values.extend(row.iter().map(|&v| rounded(f64::from(v) * factor))),
+                        Some(factor) => {
+                            values.extend(row.iter().map(|&v| DepthImage::value(f64::from(v) * factor)))
+                        }
                     }
                 }
             }
             Depths::Meters(data) => {
                 for row in rows(data, height, self.stride, width, NAME)? {
-                    values.extend(row.iter().map(|&v| rounded(f64::from(v) * units_per_meter)));
+                    values.extend(row.iter().map(|&v| DepthImage::value(f64::from(v) * units_per_meter)));
                 }
             }
         }
@@ -184,12 +186,6 @@ impl<'a> From<&'a DepthImage> for DepthView<'a> {
     fn from(image: &'a DepthImage) -> Self {
         Self::u16(&image.data, image.width, image.height)
     }
-}
-
-/// A depth as 16 bits hold it; 0 for one that they do not.
-fn rounded(units: f64) -> u16 {
-    let units = units.round();
-    if units >= 1.0 && units <= f64::from(u16::MAX) { units as u16 } else { 0 }
 }
 
 fn check_size(image: &'static str, found: ImageSize, expected: ImageSize) -> Result<(), FrameProblem> {

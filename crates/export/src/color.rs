@@ -15,7 +15,6 @@ pub enum Tint {
 
 impl Tint {
     /// A color per point of the scene.
-    #[must_use]
     pub fn colors(self, scene: &Scene) -> Vec<Color> {
         let amounts: Vec<f64> = match self {
             Self::Age => scene.points.iter().map(|point| f64::from(point.created_by)).collect(),

@@ -45,7 +45,6 @@ impl SceneImages {
     }
 
     /// Whether the images are redrawn, so that they are free of distortion and rectified.
-    #[must_use]
     pub fn are_redrawn(&self) -> bool {
         self.tables.iter().any(Option::is_some)
     }

@@ -10,7 +10,6 @@ use crate::scene::{Camera, Scene, View};
 
 /// `transforms.json` of a scene whose images lie in the folder `images` and whose points in the file `points`, both named as seen from
 /// the folder of the JSON file. The points are those of [`crate::ply`] with [`crate::PlyFrame::ZUp`].
-#[must_use]
 pub fn nerfstudio_json(scene: &Scene, images: &str, points: &str) -> String {
     let mut root = Map::new();
     root.insert("camera_model".to_owned(), json!("OPENCV"));

@@ -28,7 +28,6 @@ impl PlyFrame {
 ///
 /// # Panics
 /// When the number of colors is not that of the points.
-#[must_use]
 pub fn ply(scene: &Scene, colors: &[Color], axes: PlyFrame) -> Vec<u8> {
     assert_eq!(scene.points.len(), colors.len(), "a color per point");
     let header = format!(

@@ -107,13 +107,11 @@ impl Scene {
     }
 
     /// The error of reprojection over all observations.
-    #[must_use]
     pub fn reprojection(&self) -> ReprojectionError {
         ReprojectionError::of(self)
     }
 
     /// Where the `view`-th view should see a position of the world, pixels; `None` behind the camera.
-    #[must_use]
     pub fn project(&self, view: usize, position: &Vec3) -> Option<Vec2> {
         let view = &self.views[view];
         let point_cam = view.cam_from_world * position;

@@ -5,7 +5,6 @@ use io::{StampedPose, Trajectory};
 use crate::scene::Scene;
 
 /// Poses of the left camera at the keyframes, by time; of keyframes with the same time (of several sequences) the first is kept.
-#[must_use]
 pub fn trajectory(scene: &Scene) -> Trajectory {
     let pose = |view: &crate::View| StampedPose {
         timestamp_s: view.timestamp_s,

@@ -47,7 +47,6 @@ impl ActivationSource for ActivationMap {
 impl ActivationMap {
     /// A map of an image of `width` x `height` pixels. Values are clamped to [0, 1]; `None` where one of them is not a
     /// number, or map or image are empty.
-    #[must_use]
     pub fn new(values: Raster<f32>, width: usize, height: usize) -> Option<Self> {
         let values = clamped(values)?;
         if width == 0 || height == 0 {
@@ -67,7 +66,6 @@ impl ActivationMap {
     }
 
     /// The map's own values, as coarse as they are.
-    #[must_use]
     pub fn values(&self) -> &Raster<f32> {
         &self.values
     }
@@ -84,13 +82,11 @@ impl ActivationMap {
 
     /// Activation at a position in pixels of the image (whole numbers are centers of pixels), bilinear between the map's
     /// values and constant beyond the outermost ones.
-    #[must_use]
     pub fn at(&self, x: f32, y: f32) -> f32 {
         self.sample(&self.values, x, y)
     }
 
     /// The second answer at a position, as [`ActivationMap::at`]; the first one where there is no other.
-    #[must_use]
     pub fn lasting_at(&self, x: f32, y: f32) -> f32 {
         self.sample(self.lasting.as_ref().unwrap_or(&self.values), x, y)
     }

@@ -6,7 +6,6 @@ use simd::{Simd, Task};
 
 /// Pairs `(index in a, index in b)` that are each other's nearest, of equals the lowest index, with a distance of at most
 /// `max_distance` that is below `ratio` times the distance to the second nearest in `b`; sorted by the first index.
-#[must_use]
 pub fn match_brute_force(
     a: &[Descriptor],
     b: &[Descriptor],

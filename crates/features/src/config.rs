@@ -99,7 +99,6 @@ impl NetworkSize {
     pub const WORDS: &[&str] = &["large", "small"];
 
     /// Number of pixels.
-    #[must_use]
     pub fn pixels(self) -> usize {
         match self {
             NetworkSize::Large => 416 * 128,

@@ -11,7 +11,6 @@ impl Descriptor {
     /// Where many distances are needed use the searches of this crate: they are compiled for processors with a
     /// population count instruction too and choose at run time.
     #[inline(always)]
-    #[must_use]
     pub fn distance(&self, other: &Self) -> u32 {
         let [a0, a1, a2, a3] = self.0;
         let [b0, b1, b2, b3] = other.0;
@@ -19,7 +18,6 @@ impl Descriptor {
     }
 
     /// The 32 bytes as OpenCV stores them.
-    #[must_use]
     pub fn to_bytes(&self) -> [u8; 32] {
         let mut bytes = [0; 32];
         for (chunk, word) in bytes.chunks_exact_mut(8).zip(self.0) {
@@ -29,7 +27,6 @@ impl Descriptor {
     }
 
     /// The descriptor of 32 bytes as OpenCV stores them.
-    #[must_use]
     pub fn from_bytes(bytes: &[u8; 32]) -> Self {
         let mut words = [0; 4];
         for (i, byte) in bytes.iter().enumerate() {

@@ -48,7 +48,6 @@ pub fn search_epipolar(
 ///
 /// # Panics
 /// When `free` is shorter than frame `b`.
-#[must_use]
 pub fn search_epipolar_all(
     a: &Frame,
     features: &[u32],

@@ -23,7 +23,6 @@ pub struct Rig {
 
 impl Rig {
     /// The undistorted position of a pixel.
-    #[must_use]
     pub fn undistort(&self, pixel: &Vec2) -> Vec2 {
         if self.distortion.is_zero() {
             return *pixel;
@@ -43,7 +42,6 @@ impl Rig {
     }
 
     /// The pixel of an undistorted position: the inverse of [`Rig::undistort`].
-    #[must_use]
     pub fn distort(&self, place: &Vec2) -> Vec2 {
         if self.distortion.is_zero() {
             return *place;
@@ -54,7 +52,6 @@ impl Rig {
     }
 
     /// The smallest box around the undistorted image.
-    #[must_use]
     pub fn undistorted_bounds(&self) -> Bounds {
         let (width, height) = (self.width as f64, self.height as f64);
         let mut bounds = Bounds { min_x: f32::MAX, max_x: f32::MIN, min_y: f32::MAX, max_y: f32::MIN };
@@ -87,7 +84,6 @@ pub struct Bounds {
 
 impl Bounds {
     /// Whether a pixel lies inside, the left and upper edge included.
-    #[must_use]
     pub fn contains(&self, pixel: &Vec2) -> bool {
         let (x, y) = (pixel.x as f32, pixel.y as f32);
         x >= self.min_x && x < self.max_x && y >= self.min_y && y < self.max_y
@@ -135,7 +131,6 @@ impl Frame {
     ///
     /// # Panics
     /// When the lengths differ.
-    #[must_use]
     pub fn new(
         index: u32,
         timestamp_s: f64,
@@ -224,69 +219,58 @@ impl Frame {
     }
 
     /// What the surroundings of feature `i` look like, if that was kept.
-    #[must_use]
     pub fn patch(&self, i: usize) -> Option<&Patch> {
         self.patches.get(i)?.as_ref()
     }
 
     /// Whether both are the same features, be it by different calibrations.
-    #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.moment, &other.moment)
     }
 
     /// Number of features.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.keypoints.len()
     }
 
     /// Whether there is no feature.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.keypoints.is_empty()
     }
 
     /// The box around the undistorted image.
-    #[must_use]
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
     /// Whether the depth of feature `i` is known.
-    #[must_use]
     pub fn has_depth(&self, i: usize) -> bool {
         self.depth[i] > 0.0
     }
 
     /// Number of features with depth.
-    #[must_use]
     pub fn n_with_depth(&self) -> usize {
         (0..self.len()).filter(|&i| self.has_depth(i)).count()
     }
 
     /// Undistorted position of feature `i`, pixels of level 0.
-    #[must_use]
     pub fn pixel(&self, i: usize) -> Vec2 {
         let keypoint = &self.keypoints[i];
         Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y))
     }
 
     /// Position of feature `i` in coordinates of the (left) camera, meters; `None` without depth.
-    #[must_use]
     pub fn unproject(&self, i: usize) -> Option<Vec3> {
         let pixel = self.pixel(i);
         self.has_depth(i).then(|| self.rig.stereo.unproject(pixel.x, pixel.y, f64::from(self.depth[i])))
     }
 
     /// Inverse variance of the position of feature `i`, per squared pixel of level 0.
-    #[must_use]
     pub fn inv_sigma_sq(&self, i: usize) -> f64 {
         f64::from(self.scales.inv_sigma_sq[usize::from(self.keypoints[i].octave)])
     }
 
     /// Features of these octaves (both ends included) at most `radius_px` from `(x, y)` in x and in y, in index order.
-    #[must_use]
     pub fn features_near(&self, x: f32, y: f32, radius_px: f32, min_octave: u8, max_octave: u8) -> Vec<u32> {
         let mut found = Vec::new();
         for entry in self.grid.window(x - radius_px, x + radius_px, y - radius_px, y + radius_px).flatten() {

@@ -17,7 +17,6 @@ impl FeatureMask {
     /// The mask of images in which `filled` is 0 at pixels that show nothing and `wanted` is 0 at pixels that are not to be used;
     /// `None` when there is no such pixel. Corners keep so far from the former that their whole patch is filled, as from the edge of
     /// the image, and so far from the latter that the circle of the corner test lies outside.
-    #[must_use]
     pub fn new(
         config: &ExtractorConfig,
         filled: Option<&GrayImage>,

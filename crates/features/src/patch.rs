@@ -53,7 +53,6 @@ impl Patch {
 
     /// Finds this feature's place as `reference` has it. `warp` takes steps on the reference's level to steps on this one's.
     /// `None` if the reference has no structure, the shift is too large, or they do not look alike.
-    #[must_use]
     pub fn align(&self, reference: &Patch, warp: [[f32; 2]; 2]) -> Option<Aligned> {
         let template = Template::new(reference, warp)?;
         let mut shift = [0.0f32; 2];

@@ -35,28 +35,24 @@ impl Plane {
 
     /// Columns.
     #[inline]
-    #[must_use]
     pub fn width(&self) -> usize {
         self.width
     }
 
     /// Rows.
     #[inline]
-    #[must_use]
     pub fn height(&self) -> usize {
         self.height
     }
 
     /// Bytes from one row to the next, at least `width + 64`.
     #[inline]
-    #[must_use]
     pub fn stride(&self) -> usize {
         self.stride
     }
 
     /// All rows with their padding, `stride * height` bytes.
     #[inline]
-    #[must_use]
     pub fn data(&self) -> &[u8] {
         &self.data
     }
@@ -66,7 +62,6 @@ impl Plane {
     /// # Panics
     /// When `y` is outside.
     #[inline]
-    #[must_use]
     pub fn pixels(&self, y: usize) -> &[u8] {
         &self.row(y)[..self.width]
     }
@@ -88,13 +83,11 @@ impl Plane {
     /// # Panics
     /// When the place lies behind the data.
     #[inline]
-    #[must_use]
     pub fn at(&self, x: usize, y: usize) -> u8 {
         self.data[y * self.stride + x]
     }
 
     /// A copy without padding.
-    #[must_use]
     pub fn to_image(&self) -> GrayImage {
         GrayImage::from_fn(self.width, self.height, |x, y| self.at(x, y))
     }

@@ -36,7 +36,6 @@ impl Pyramid {
     }
 
     /// The levels, the finest first.
-    #[must_use]
     pub fn levels(&self) -> &[Plane] {
         &self.levels
     }

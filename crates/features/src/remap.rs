@@ -25,7 +25,6 @@ pub struct RemapTable {
 
 impl RemapTable {
     /// The table of a map from pixels of the target to pixels of the source, `None` for no source; sizes are `(width, height)`.
-    #[must_use]
     pub fn new(
         source: (usize, usize),
         target: (usize, usize),
@@ -43,7 +42,6 @@ impl RemapTable {
 
     /// The table that turns the raw images of a camera into those of the pinhole `camera`, which is turned by
     /// `rectified_from_cam` against it; sizes are `(width, height)`.
-    #[must_use]
     pub fn rectifying(
         model: &CameraModel,
         rectified_from_cam: &SO3,
@@ -61,26 +59,22 @@ impl RemapTable {
     }
 
     /// Width and height of the images that are redrawn.
-    #[must_use]
     pub fn source_size(&self) -> (usize, usize) {
         self.source
     }
 
     /// Width and height of the new images.
-    #[must_use]
     pub fn target_size(&self) -> (usize, usize) {
         self.target
     }
 
     /// Whether the pixel at column `x`, row `y` of the new image has a source; `false` outside.
-    #[must_use]
     pub fn has_source(&self, x: usize, y: usize) -> bool {
         x < self.target.0 && y < self.target.1 && self.weights[y * self.target.0 + x] != [0; 4]
     }
 
     /// 255 where every pixel of the new image within `margin_px` columns and rows has a source, 0 elsewhere; what lies outside of the
     /// new image does not count.
-    #[must_use]
     pub fn mask(&self, margin_px: usize) -> GrayImage {
         let (width, height) = self.target;
         let filled = GrayImage::from_fn(width, height, |x, y| if self.has_source(x, y) { 255 } else { 0 });
@@ -91,7 +85,6 @@ impl RemapTable {
 /// The image redrawn through the table, with bilinear interpolation; `None` when it does not have the size of the table's source.
 ///
 /// Runs on the current rayon pool; the result does not depend on the number of threads.
-#[must_use]
 pub fn remap(image: &GrayImage, table: &RemapTable) -> Option<GrayImage> {
     remap_with(Simd::detect(), image, table)
 }

@@ -8,7 +8,6 @@ const BINS: usize = 30;
 /// The second and third bin count only with at least a tenth of the first one's matches; of equal bins the one with the
 /// smaller angle is taken; NaN agrees with nothing. ORB-SLAM2 means the same but divides by the bin number instead of the
 /// bin width, so that its bins are too coarse (its issue 64).
-#[must_use]
 pub fn consistent_rotations(deltas_deg: &[f32]) -> Vec<bool> {
     let width_deg = 360.0 / BINS as f32;
     let bin_of =

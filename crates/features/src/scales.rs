@@ -15,7 +15,6 @@ pub struct ScaleLevels {
 
 impl ScaleLevels {
     /// `levels` levels, each `factor` times coarser than the one before.
-    #[must_use]
     pub fn new(levels: usize, factor: f32) -> Self {
         let power = |l: usize| f64::from(factor).powi(l as i32);
         Self {
@@ -27,19 +26,16 @@ impl ScaleLevels {
     }
 
     /// Number of levels.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.scales.len()
     }
 
     /// Whether there is no level at all.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.scales.is_empty()
     }
 
     /// Size of level `l` of an image of this size: each side divided by the scale, rounded, at least 1.
-    #[must_use]
     pub fn level_size(&self, l: usize, width: usize, height: usize) -> (usize, usize) {
         let side = |n: usize| ((n as f64 / f64::from(self.scales[l])).round() as usize).max(1);
         (side(width), side(height))
@@ -48,7 +44,6 @@ impl ScaleLevels {
 
 /// Features wanted per level: a geometric series, so that each level has the same density per area of its own pixels;
 /// the last level takes the rest (ORB-SLAM2: 2000 in 8 levels of 1.2 give 434, 362, 302, 251, 209, 175, 145, 122).
-#[must_use]
 pub fn level_quotas(keep: usize, levels: usize, factor: f32) -> Vec<usize> {
     let Some(last) = levels.checked_sub(1) else { return Vec::new() };
     let ratio = 1.0 / f64::from(factor);

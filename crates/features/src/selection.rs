@@ -83,7 +83,6 @@ pub struct Contender {
 /// camera, and a network errs; what it is sure of to move gets next to nothing. Under [`SelectionRule::Semantic`] they get
 /// nothing, under [`SelectionRule::Places`] what is left over; under [`SelectionRule::Response`] activations do not count. Both
 /// groups are spread over the image of `size` pixels. Ties go to the lower index.
-#[must_use]
 pub fn select(
     contenders: &[Contender],
     map: &ActivationMap,

@@ -59,7 +59,6 @@ pub fn search_window(
 ///
 /// # Panics
 /// When `free` is shorter than the frame.
-#[must_use]
 pub fn search_windows(frame: &Frame, queries: &[ProjectionQuery], free: &[bool]) -> Vec<Option<WindowMatch>> {
     assert!(free.len() >= frame.len(), "one flag per feature");
     queries.par_iter().with_min_len(64).map(|query| search_window(frame, query, |i| free[i])).collect()

@@ -21,44 +21,53 @@ pub struct Distortion {
 
 impl Distortion {
     /// Whether the lens does not distort.
-    #[must_use]
     pub fn is_zero(&self) -> bool {
         *self == Self::default()
     }
 
     /// The distorted place of an ideal normalized point.
-    #[must_use]
     pub fn distort(&self, ideal: &Vec2) -> Vec2 {
-        let (x, y) = (ideal.x, ideal.y);
-        let r_sq = x * x + y * y;
-        let radial = 1.0 + r_sq * (self.k1 + r_sq * (self.k2 + r_sq * self.k3));
-        Vec2::new(
-            x * radial + 2.0 * self.p1 * x * y + self.p2 * (r_sq + 2.0 * x * x),
-            y * radial + self.p1 * (r_sq + 2.0 * y * y) + 2.0 * self.p2 * x * y,
-        )
+        self.bend(ideal, self.factor(ideal.norm_squared()).0)
     }
 
     /// The derivative of [`Distortion::distort`] by the ideal point (a symmetric 2 by 2 matrix).
-    #[must_use]
     pub fn distort_jacobian(&self, ideal: &Vec2) -> Mat2 {
+        self.bend_jacobian(ideal, self.factor(ideal.norm_squared()))
+    }
+
+    /// The radial factor and its derivative by the squared radius.
+    fn factor(&self, r_sq: f64) -> (f64, f64) {
+        let Self { k1, k2, k3, .. } = self;
+        (1.0 + r_sq * (k1 + r_sq * (k2 + r_sq * k3)), k1 + r_sq * (2.0 * k2 + r_sq * 3.0 * k3))
+    }
+
+    /// The distorted place of a point with this radial factor.
+    pub(crate) fn bend(&self, ideal: &Vec2, radial: f64) -> Vec2 {
+        let Self { p1, p2, .. } = self;
         let (x, y) = (ideal.x, ideal.y);
         let r_sq = x * x + y * y;
-        let radial = 1.0 + r_sq * (self.k1 + r_sq * (self.k2 + r_sq * self.k3));
-        // Twice the derivative of the radial factor by the squared radius.
-        let slope = 2.0 * (self.k1 + r_sq * (2.0 * self.k2 + r_sq * 3.0 * self.k3));
-        let mixed = slope * x * y + 2.0 * (self.p1 * x + self.p2 * y);
+        Vec2::new(
+            x * radial + 2.0 * p1 * x * y + p2 * (r_sq + 2.0 * x * x),
+            y * radial + p1 * (r_sq + 2.0 * y * y) + 2.0 * p2 * x * y,
+        )
+    }
+
+    /// The derivative of [`Distortion::bend`] for a radial factor with this derivative by the squared radius.
+    pub(crate) fn bend_jacobian(&self, ideal: &Vec2, (radial, slope): (f64, f64)) -> Mat2 {
+        let Self { p1, p2, .. } = self;
+        let (x, y) = (ideal.x, ideal.y);
+        let mixed = 2.0 * slope * x * y + 2.0 * (p1 * x + p2 * y);
         Mat2::new(
-            radial + slope * x * x + 2.0 * self.p1 * y + 6.0 * self.p2 * x,
+            radial + 2.0 * slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x,
             mixed,
             mixed,
-            radial + slope * y * y + 6.0 * self.p1 * y + 2.0 * self.p2 * x,
+            radial + 2.0 * slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x,
         )
     }
 
     /// The radius of ideal normalized points up to which the radial part grows, so that it can be inverted.
     ///
     /// Beyond it, the image of a point turns back towards the center. At most 1000, where every image has ended.
-    #[must_use]
     pub fn max_radius(&self) -> f64 {
         const END: f64 = 1000.0;
         let derivative = [1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3];
@@ -68,7 +77,6 @@ impl Distortion {
     /// The ideal normalized point of a distorted one, by Newton's method with step halving, to rounding precision.
     ///
     /// Beyond the radius where the model folds back there is no inverse; then the closest point reached is returned.
-    #[must_use]
     pub fn undistort(&self, distorted: &Vec2) -> Vec2 {
         if self.is_zero() {
             return *distorted;

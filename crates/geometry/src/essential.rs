@@ -7,7 +7,6 @@ use crate::so3::SO3;
 use crate::svd::RotationSvd;
 
 /// The essential matrix of a fundamental matrix: `K_b^T F K_a`.
-#[must_use]
 pub fn essential_from_fundamental(fundamental: &Mat3, camera_a: &Pinhole, camera_b: &Pinhole) -> Mat3 {
     camera_b.matrix().transpose() * fundamental * camera_a.matrix()
 }
@@ -15,7 +14,6 @@ pub fn essential_from_fundamental(fundamental: &Mat3, camera_a: &Pinhole, camera
 /// The four motions `b_from_a`, with a translation of length one, that have this essential matrix up to scale.
 ///
 /// `None` for a matrix that is zero or not finite.
-#[must_use]
 pub fn decompose_essential(essential: &Mat3) -> Option<[SE3; 4]> {
     let RotationSvd { u, values, v } = RotationSvd::new(essential)?;
     if values[1] <= 0.0 {

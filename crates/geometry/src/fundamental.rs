@@ -12,7 +12,6 @@ const MIN_RANK_RATIO: f64 = 1e-9;
 /// The fundamental matrix of eight or more pixel pairs, of rank two and Frobenius norm one; weights default to one.
 ///
 /// `None` when lengths differ, fewer than eight pairs are given, or the pairs leave it open (points on a plane, no motion).
-#[must_use]
 pub fn estimate_fundamental(pixels_a: &[Vec2], pixels_b: &[Vec2], weights: Option<&[f64]>) -> Option<Mat3> {
     let n = pixels_a.len();
     if n < 8 || pixels_b.len() != n || weights.is_some_and(|w| w.len() != n || w.iter().any(|&v| v < 0.0)) {
@@ -42,7 +41,6 @@ pub fn estimate_fundamental(pixels_a: &[Vec2], pixels_b: &[Vec2], weights: Optio
 ///
 /// Hartley and Zisserman, equation 11.9. Not a number where both pixels are epipoles.
 #[inline]
-#[must_use]
 pub fn sampson_error_sq(fundamental: &Mat3, pixel_a: &Vec2, pixel_b: &Vec2) -> f64 {
     let (a, b) = (pixel_a.push(1.0), pixel_b.push(1.0));
     let line_b = fundamental * a;

@@ -18,7 +18,6 @@ const DOUBLE_ROOT_TOLERANCE: f64 = 1e-10;
 ///
 /// Points have positive distances along the rays. Empty for points on one line or equal rays. Solutions agree with the data to
 /// about rounding precision; their order depends on the input only.
-#[must_use]
 pub fn p3p(rays: &[Vec3; 3], points_world: &[Vec3; 3]) -> Vec<SE3> {
     let Some(triangle) = Triangle::new(rays, points_world) else {
         return Vec::new();

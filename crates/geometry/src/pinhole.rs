@@ -19,7 +19,6 @@ pub struct Pinhole {
 impl Pinhole {
     /// The pixel of a point in camera coordinates; meaningful for `z > 0` only (no test here, for speed).
     #[inline]
-    #[must_use]
     pub fn project(&self, point_cam: &Vec3) -> Vec2 {
         let inverse_z = 1.0 / point_cam.z;
         Vec2::new(self.fx * point_cam.x * inverse_z + self.cx, self.fy * point_cam.y * inverse_z + self.cy)
@@ -27,14 +26,12 @@ impl Pinhole {
 
     /// The ray of a pixel in camera coordinates, with `z = 1`.
     #[inline]
-    #[must_use]
     pub fn unproject(&self, pixel: &Vec2) -> Vec3 {
         Vec3::new((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy, 1.0)
     }
 
     /// The derivative of [`Pinhole::project`] by the point: 2 by 3, pixels per meter.
     #[inline]
-    #[must_use]
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
         let inverse_z = 1.0 / point_cam.z;
         let (x, y) = (point_cam.x * inverse_z, point_cam.y * inverse_z);
@@ -43,7 +40,6 @@ impl Pinhole {
     }
 
     /// The calibration matrix `[fx 0 cx; 0 fy cy; 0 0 1]`.
-    #[must_use]
     pub fn matrix(&self) -> Mat3 {
         Mat3::new(self.fx, 0.0, self.cx, 0.0, self.fy, self.cy, 0.0, 0.0, 1.0)
     }

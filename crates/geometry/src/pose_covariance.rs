@@ -20,7 +20,6 @@ impl PoseCovariance {
     pub const N: usize = 21;
 
     /// The covariance with these numbers in the axes of the camera; `None` if they are not symmetric and positive definite.
-    #[must_use]
     pub fn new(in_camera: Mat6) -> Option<Self> {
         let scale = in_camera.diagonal().amax();
         let is_symmetric = (in_camera - in_camera.transpose()).amax() <= 1e-9 * scale;
@@ -30,14 +29,12 @@ impl PoseCovariance {
     }
 
     /// The matrix, in the axes of the camera.
-    #[must_use]
     pub fn in_camera(&self) -> Mat6 {
         self.0
     }
 
     /// The matrix in other axes, as ROS's `PoseWithCovariance` has it: position along the axes of the parent frame, then rotation
     /// about its fixed axes. `parent_from_cam` is the rotation of the pose.
-    #[must_use]
     pub fn in_parent(&self, parent_from_cam: &SO3) -> Mat6 {
         let turn = both(parent_from_cam.matrix());
         turn * self.0 * turn.transpose()
@@ -52,14 +49,12 @@ impl PoseCovariance {
     }
 
     /// The upper triangle, row by row, as [`PoseCovariance::names`] names it.
-    #[must_use]
     pub fn triangle(&self) -> [f64; Self::N] {
         let mut places = upper();
         std::array::from_fn(|_| places.next().map_or(0.0, |place| self.0[place]))
     }
 
     /// The covariance with this upper triangle; `None` if it is not positive definite.
-    #[must_use]
     pub fn of_triangle(triangle: &[f64; Self::N]) -> Option<Self> {
         let mut matrix = Mat6::zeros();
         for ((row, column), &value) in upper().zip(triangle) {
@@ -75,13 +70,11 @@ impl PoseCovariance {
     }
 
     /// Standard deviations along the axes of the camera, meters.
-    #[must_use]
     pub fn sigma_m(&self) -> Vec3 {
         self.0.diagonal().fixed_rows::<3>(0).map(f64::sqrt)
     }
 
     /// Standard deviations about the axes of the camera, degrees.
-    #[must_use]
     pub fn sigma_deg(&self) -> Vec3 {
         self.0.diagonal().fixed_rows::<3>(3).map(|variance| variance.sqrt().to_degrees())
     }

@@ -69,7 +69,6 @@ pub struct Consensus<M> {
 /// `weights`, one per item, default to one; a negative one or one that is not finite counts as zero. An item of weight zero is never
 /// sampled and adds nothing to a score, but can be an inlier. `None` when fewer items than a sample have a weight, the
 /// number of weights is not the number of items, or no sample gave a model with at least a sample's worth of inliers.
-#[must_use]
 pub fn ransac<E: Estimator>(
     estimator: &E,
     weights: Option<&[f64]>,

@@ -39,7 +39,6 @@ impl ImageSize {
     }
 
     /// Width and height of `new` over those of this size: what a camera's pixels are to be multiplied with.
-    #[must_use]
     pub fn factors_to(&self, new: ImageSize) -> [f64; 2] {
         let ratio = |new: usize, old: usize| new as f64 / (old.max(1)) as f64;
         [ratio(new.width, self.width), ratio(new.height, self.height)]
@@ -52,21 +51,26 @@ pub type GrayImage = Raster<u8>;
 /// Depth in units of the sensor; 0 where unknown.
 pub type DepthImage = Raster<u16>;
 
+impl DepthImage {
+    /// A depth as a depth image holds it: rounded; 0 for one that 16 bits do not hold.
+    pub fn value(units: f64) -> u16 {
+        let units = units.round();
+        if units >= 1.0 && units <= f64::from(u16::MAX) { units as u16 } else { 0 }
+    }
+}
+
 impl<T: Copy> Raster<T> {
     /// A raster with the same value everywhere.
-    #[must_use]
     pub fn new(width: usize, height: usize, fill: T) -> Self {
         Self { width, height, data: vec![fill; width * height] }
     }
 
     /// A raster of these values; `None` unless there are `width * height` of them.
-    #[must_use]
     pub fn from_vec(width: usize, height: usize, data: Vec<T>) -> Option<Self> {
         (width.checked_mul(height) == Some(data.len())).then_some(Self { width, height, data })
     }
 
     /// A raster of the values `f(x, y)`.
-    #[must_use]
     pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> T) -> Self {
         let mut data = Vec::with_capacity(width * height);
         for y in 0..height {
@@ -76,7 +80,6 @@ impl<T: Copy> Raster<T> {
     }
 
     /// Width and height.
-    #[must_use]
     pub fn size(&self) -> ImageSize {
         ImageSize { width: self.width, height: self.height }
     }
@@ -92,7 +95,6 @@ impl<T: Copy> Raster<T> {
     /// # Panics
     /// When `y` is outside.
     #[inline]
-    #[must_use]
     pub fn row(&self, y: usize) -> &[T] {
         &self.data[y * self.width..(y + 1) * self.width]
     }
@@ -102,7 +104,6 @@ impl<T: Copy> Raster<T> {
     /// # Panics
     /// When `y` is outside.
     #[inline]
-    #[must_use]
     pub fn row_mut(&mut self, y: usize) -> &mut [T] {
         &mut self.data[y * self.width..(y + 1) * self.width]
     }
@@ -112,7 +113,6 @@ impl<T: Copy> Raster<T> {
     /// # Panics
     /// In debug builds when `x` is outside; always when the place lies behind the data.
     #[inline]
-    #[must_use]
     pub fn at(&self, x: usize, y: usize) -> T {
         debug_assert!(x < self.width);
         self.data[y * self.width + x]
@@ -120,7 +120,6 @@ impl<T: Copy> Raster<T> {
 
     /// The value at column `x`, row `y`, `None` outside.
     #[inline]
-    #[must_use]
     pub fn get(&self, x: usize, y: usize) -> Option<T> {
         if x < self.width { self.data.get(y * self.width + x).copied() } else { None }
     }

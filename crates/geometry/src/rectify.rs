@@ -10,7 +10,6 @@ use crate::pinhole::Pinhole;
 use crate::se3::SE3;
 use crate::so3::SO3;
 use crate::stereo::StereoRig;
-use std::fmt;
 
 /// Half of the largest field of view of a rectified image, as a tangent (60 degrees); a fisheye sees more than a plane can show.
 const MAX_TANGENT: f64 = 1.732_050_807_568_877_2;
@@ -30,11 +29,15 @@ pub struct StereoRectification {
 }
 
 /// Why two cameras are not rectified.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RectificationError {
     /// Both cameras have one center, or a number is not finite.
+    #[error("found no baseline between the two cameras, expected one above 0 m")]
     NoBaseline,
     /// The second camera is above or below the first.
+    #[error(
+        "found the second camera {y_m:.4} m along y and {x_m:.4} m along x of the first, expected it to the right"
+    )]
     Vertical {
         /// Right camera center in left coordinates after the turn by half, meters.
         x_m: f64,
@@ -42,13 +45,19 @@ pub enum RectificationError {
         y_m: f64,
     },
     /// The second camera is to the left of the first.
+    #[error("found the second camera {left_by_m:.4} m to the left of the first, expected it to the right")]
     Swapped {
         /// Distance to the left, meters.
         left_by_m: f64,
     },
     /// The turned cameras share no field of view.
+    #[error("found cameras that look in different directions, expected a common field of view")]
     NoCommonView,
     /// A lens whose coefficients fold its image back before it ends, so that pixels beyond have no ray.
+    #[error(
+        "found coefficients that fold the image back {radius_px:.0} px from the principal point, expected ones that hold \
+         up to its corner, {corner_px:.0} px away; is it their order, the model or the image size?"
+    )]
     Folded {
         /// Which camera it is: 0, or 1 for the second one.
         camera: usize,
@@ -58,36 +67,6 @@ pub enum RectificationError {
         corner_px: f64,
     },
 }
-
-impl fmt::Display for RectificationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoBaseline => {
-                f.write_str("found no baseline between the two cameras, expected one above 0 m")
-            }
-            Self::Vertical { x_m, y_m } => write!(
-                f,
-                "found the second camera {y_m:.4} m along y and {x_m:.4} m along x of the first, expected it to the right"
-            ),
-            Self::Swapped { left_by_m } => {
-                write!(
-                    f,
-                    "found the second camera {left_by_m:.4} m to the left of the first, expected it to the right"
-                )
-            }
-            Self::NoCommonView => f.write_str(
-                "found cameras that look in different directions, expected a common field of view",
-            ),
-            Self::Folded { radius_px, corner_px, .. } => write!(
-                f,
-                "found coefficients that fold the image back {radius_px:.0} px from the principal point, expected ones that hold \
-                 up to its corner, {corner_px:.0} px away; is it their order, the model or the image size?"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for RectificationError {}
 
 /// The rectification of two cameras with images of `(width, height)` pixels.
 ///

@@ -24,28 +24,24 @@ pub struct SE3 {
 impl SE3 {
     /// The motion with this rotation and translation.
     #[inline]
-    #[must_use]
     pub fn new(rotation: SO3, translation: Vec3) -> Self {
         Self { rotation, translation }
     }
 
     /// The motion that leaves everything in place.
     #[inline]
-    #[must_use]
     pub fn identity() -> Self {
         Self::default()
     }
 
     /// The motion of the tangent vector `[rho; phi]` (Barfoot 7.88).
     #[inline]
-    #[must_use]
     pub fn exp(tangent: &Vec6) -> Self {
         let (rho, phi) = split(tangent);
         Self::new(SO3::exp(&phi), SO3::left_jacobian(&phi) * rho)
     }
 
     /// The tangent vector `[rho; phi]` with `|phi| <= pi`; the inverse of [`SE3::exp`].
-    #[must_use]
     pub fn log(&self) -> Vec6 {
         let phi = self.rotation.log();
         let rho = SO3::left_jacobian_inverse(&phi) * self.translation;
@@ -62,27 +58,23 @@ impl SE3 {
 
     /// The origin of the target frame seen from the source frame, `-R^T t`: the camera center of a `cam_from_world`.
     #[inline]
-    #[must_use]
     pub fn center(&self) -> Vec3 {
         -self.rotation.matrix().tr_mul(&self.translation)
     }
 
     /// `A` with `g exp(v) g^-1 = exp(A v)` (Barfoot 7.45).
-    #[must_use]
     pub fn adjoint(&self) -> Mat6 {
         let r = self.rotation.matrix();
         blocks(r, &(SO3::hat(&self.translation) * r))
     }
 
     /// `J` with `exp(v + d) = exp(J d) exp(v)` to first order in `d` (Barfoot 7.85).
-    #[must_use]
     pub fn left_jacobian(tangent: &Vec6) -> Mat6 {
         let (rho, phi) = split(tangent);
         blocks(&SO3::left_jacobian(&phi), &q_matrix(&rho, &phi))
     }
 
     /// The inverse of [`SE3::left_jacobian`], for angles below two pi (Barfoot 7.95).
-    #[must_use]
     pub fn left_jacobian_inverse(tangent: &Vec6) -> Mat6 {
         let (rho, phi) = split(tangent);
         let inverse = SO3::left_jacobian_inverse(&phi);
@@ -90,7 +82,6 @@ impl SE3 {
     }
 
     /// The homogeneous matrix `[R t; 0 1]`.
-    #[must_use]
     pub fn matrix(&self) -> Mat4 {
         let mut m = Mat4::identity();
         m.fixed_view_mut::<3, 3>(0, 0).copy_from(self.rotation.matrix());
@@ -99,14 +90,12 @@ impl SE3 {
     }
 
     /// Reads `[R t]` row by row, as KITTI writes poses; the rotation is made exact (see [`SO3::from_matrix`]).
-    #[must_use]
     pub fn from_rows_3x4(rows: &[f64; 12]) -> Self {
         let m = crate::aliases::Mat3x4::from_row_slice(rows);
         Self::new(SO3::from_matrix(&m.fixed_view::<3, 3>(0, 0).into_owned()), m.column(3).into_owned())
     }
 
     /// Writes `[R t]` row by row, as KITTI writes poses.
-    #[must_use]
     pub fn rows_3x4(&self) -> [f64; 12] {
         std::array::from_fn(|i| match (i / 4, i % 4) {
             (row, 3) => self.translation[row],
@@ -121,7 +110,6 @@ impl SE3 {
     }
 
     /// Whether all numbers are finite.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         self.rotation.matrix().iter().chain(self.translation.iter()).all(|v| v.is_finite())
     }

@@ -2,7 +2,6 @@
 
 /// Mixes a run's seed, a frame number and a purpose number into a seed whose bits all depend on all three inputs
 /// (the finaliser of SplitMix64, Steele, Lea and Flood 2014, applied once per input).
-#[must_use]
 pub fn mix_seed(seed: u64, frame: u64, purpose: u64) -> u64 {
     splitmix(splitmix(splitmix(seed) ^ frame) ^ purpose)
 }

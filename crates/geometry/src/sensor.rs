@@ -18,7 +18,8 @@ pub enum Sensor {
 }
 
 /// A word that does not name a sensor.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("found '{0}', expected {expected}", expected = Sensor::WORDS.join(", "))]
 pub struct UnknownSensor(String);
 
 impl Sensor {
@@ -65,14 +66,6 @@ impl TryFrom<String> for Sensor {
         text.parse()
     }
 }
-
-impl fmt::Display for UnknownSensor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "found '{}', expected {}", self.0, Sensor::WORDS.join(", "))
-    }
-}
-
-impl std::error::Error for UnknownSensor {}
 
 #[cfg(test)]
 mod tests {

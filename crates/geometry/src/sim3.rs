@@ -35,20 +35,17 @@ impl From<SE3> for Sim3 {
 impl Sim3 {
     /// The similarity with these parts; `scale` must be positive.
     #[inline]
-    #[must_use]
     pub fn new(rotation: SO3, translation: Vec3, scale: f64) -> Self {
         Self { rotation, translation, scale }
     }
 
     /// The similarity that leaves everything in place.
     #[inline]
-    #[must_use]
     pub fn identity() -> Self {
         Self::new(SO3::identity(), Vec3::zeros(), 1.0)
     }
 
     /// The similarity of the tangent vector `[rho; phi; lambda]`.
-    #[must_use]
     pub fn exp(tangent: &Vec7) -> Self {
         let (rho, phi, lambda) = split(tangent);
         let w = Coefficients::new(phi.norm(), lambda).matrix(&phi);
@@ -56,7 +53,6 @@ impl Sim3 {
     }
 
     /// The tangent vector `[rho; phi; lambda]` with `|phi| <= pi`; the inverse of [`Sim3::exp`].
-    #[must_use]
     pub fn log(&self) -> Vec7 {
         let phi = self.rotation.log();
         let lambda = self.scale.ln();
@@ -74,7 +70,6 @@ impl Sim3 {
     }
 
     /// `A` with `g exp(v) g^-1 = exp(A v)`: `[sR, hat(t) R, -t; 0, R, 0; 0, 0, 1]`.
-    #[must_use]
     pub fn adjoint(&self) -> Mat7 {
         let r = self.rotation.matrix();
         let mut a = Mat7::identity();
@@ -86,7 +81,6 @@ impl Sim3 {
     }
 
     /// `a` with `exp(v) g exp(-v) = g + a(v) g` to first order: the adjoint of the algebra, `adjoint(exp(v)) = e^(a(v))`.
-    #[must_use]
     pub fn small_adjoint(tangent: &Vec7) -> Mat7 {
         let (rho, phi, lambda) = split(tangent);
         let hat = SO3::hat(&phi);
@@ -99,7 +93,6 @@ impl Sim3 {
     }
 
     /// `J` with `exp(v + d) = exp(J d) exp(v)` to first order in `d`: the series `sum_k a^k / (k + 1)!` of the small adjoint.
-    #[must_use]
     pub fn left_jacobian(tangent: &Vec7) -> Mat7 {
         const TERMS: usize = 32;
         let a = Self::small_adjoint(tangent);
@@ -108,13 +101,11 @@ impl Sim3 {
     }
 
     /// The inverse of [`Sim3::left_jacobian`]; `None` where that is singular (angles of two pi).
-    #[must_use]
     pub fn left_jacobian_inverse(tangent: &Vec7) -> Option<Mat7> {
         Self::left_jacobian(tangent).try_inverse()
     }
 
     /// The homogeneous matrix `[sR t; 0 1]`.
-    #[must_use]
     pub fn matrix(&self) -> Mat4 {
         let mut m = SE3::new(self.rotation, self.translation).matrix();
         m.fixed_view_mut::<3, 3>(0, 0).scale_mut(self.scale);
@@ -122,7 +113,6 @@ impl Sim3 {
     }
 
     /// Whether all numbers are finite and the scale is positive.
-    #[must_use]
     pub fn is_valid(&self) -> bool {
         SE3::new(self.rotation, self.translation).is_finite() && self.scale.is_finite() && self.scale > 0.0
     }

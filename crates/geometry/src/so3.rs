@@ -21,14 +21,12 @@ impl Default for SO3 {
 impl SO3 {
     /// The rotation by nothing.
     #[inline]
-    #[must_use]
     pub fn identity() -> Self {
         Self(Mat3::identity())
     }
 
     /// The rotation about the axis `phi` by the angle `|phi|` in radians (Rodrigues).
     #[inline]
-    #[must_use]
     pub fn exp(phi: &Vec3) -> Self {
         let x = phi.norm_squared();
         let hat = Self::hat(phi);
@@ -40,7 +38,6 @@ impl SO3 {
     /// The rotation vector (axis times angle in radians), of length at most pi; the inverse of [`SO3::exp`].
     ///
     /// Goes through the quaternion, and so keeps full precision near zero and near pi.
-    #[must_use]
     pub fn log(&self) -> Vec3 {
         let q = self.to_quaternion();
         let (w, v) = if q.w < 0.0 { (-q.w, -q.imag()) } else { (q.w, q.imag()) };
@@ -57,14 +54,12 @@ impl SO3 {
 
     /// The matrix, whose columns are the axes of the source frame seen from the target frame.
     #[inline]
-    #[must_use]
     pub fn matrix(&self) -> &Mat3 {
         &self.0
     }
 
     /// Takes a matrix that the caller knows to be a rotation, without looking at it.
     #[inline]
-    #[must_use]
     pub fn from_matrix_unchecked(matrix: Mat3) -> Self {
         Self(matrix)
     }
@@ -72,19 +67,16 @@ impl SO3 {
     /// The rotation nearest to `matrix` in the Frobenius norm, by singular values (Horn, Hilden, Negahdaripour 1988).
     ///
     /// A matrix with numbers that are not finite gives the identity.
-    #[must_use]
     pub fn from_matrix(matrix: &Mat3) -> Self {
         RotationSvd::new(matrix).map_or_else(Self::identity, |svd| Self(svd.u * svd.v.transpose()))
     }
 
     /// The rotation of a unit quaternion.
-    #[must_use]
     pub fn from_quaternion(quaternion: &Quaternion) -> Self {
         Self(quaternion.to_rotation_matrix().into_inner())
     }
 
     /// The unit quaternion of this rotation, with a real part that is not negative (Shepperd 1978).
-    #[must_use]
     pub fn to_quaternion(&self) -> Quaternion {
         let r = &self.0;
         let trace = r.trace();
@@ -113,7 +105,6 @@ impl SO3 {
     }
 
     /// The angle of the rotation in radians, from 0 to pi.
-    #[must_use]
     pub fn angle(&self) -> f64 {
         let q = self.to_quaternion();
         2.0 * q.imag().norm().atan2(q.w.abs())
@@ -121,13 +112,11 @@ impl SO3 {
 
     /// The cross-product matrix: `hat(a) * b = a x b`.
     #[inline]
-    #[must_use]
     pub fn hat(v: &Vec3) -> Mat3 {
         Mat3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
     }
 
     /// `J` with `exp(phi + d) = exp(J d) exp(phi)` to first order in `d` (Barfoot 7.77).
-    #[must_use]
     pub fn left_jacobian(phi: &Vec3) -> Mat3 {
         let x = phi.norm_squared();
         let hat = Self::hat(phi);
@@ -135,7 +124,6 @@ impl SO3 {
     }
 
     /// The inverse of [`SO3::left_jacobian`], for angles below two pi (Barfoot 7.76).
-    #[must_use]
     pub fn left_jacobian_inverse(phi: &Vec3) -> Mat3 {
         let hat = Self::hat(phi);
         Mat3::identity() - 0.5 * hat + half_cotangent(phi.norm_squared()) * hat * hat
@@ -143,7 +131,6 @@ impl SO3 {
 
     /// `A` with `g exp(v) g^-1 = exp(A v)`: the rotation matrix itself.
     #[inline]
-    #[must_use]
     pub fn adjoint(&self) -> Mat3 {
         self.0
     }

@@ -16,14 +16,12 @@ pub struct StereoRig {
 impl StereoRig {
     /// Focal length times baseline, in pixel meters: disparity times depth.
     #[inline]
-    #[must_use]
     pub fn bf(&self) -> f64 {
         self.camera.fx * self.baseline_m
     }
 
     /// `(u, v, u_right)` in pixels of a point in coordinates of the left camera; meaningful for `z > 0` only.
     #[inline]
-    #[must_use]
     pub fn project(&self, point_cam: &Vec3) -> Vec3 {
         let pixel = self.camera.project(point_cam);
         Vec3::new(pixel.x, pixel.y, pixel.x - self.bf() / point_cam.z)
@@ -31,21 +29,18 @@ impl StereoRig {
 
     /// The point in coordinates of the left camera at pixel `(u, v)` and `depth` meters along z.
     #[inline]
-    #[must_use]
     pub fn unproject(&self, u: f64, v: f64, depth: f64) -> Vec3 {
         self.camera.unproject(&Vec2::new(u, v)) * depth
     }
 
     /// Depth in meters of a disparity `u - u_right` in pixels.
     #[inline]
-    #[must_use]
     pub fn depth_from_disparity(&self, disparity_px: f64) -> f64 {
         self.bf() / disparity_px
     }
 
     /// The derivative of [`StereoRig::project`] by the point: 3 by 3, pixels per meter.
     #[inline]
-    #[must_use]
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat3 {
         let mono = self.camera.project_jacobian(point_cam);
         let disparity_slope = self.bf() / (point_cam.z * point_cam.z);

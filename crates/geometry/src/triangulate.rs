@@ -12,7 +12,6 @@ const MIN_HOMOGENEOUS_WEIGHT: f64 = 1e-10;
 ///
 /// Minimizes the algebraic error, which is close to the reprojection error for noise of a few pixels. `None` for fewer than
 /// two views, views without a baseline, or a point at infinity. The point may lie behind a camera: see [`triangulate`].
-#[must_use]
 pub fn triangulate_dlt(cams_from_world: &[SE3], normalized: &[Vec2]) -> Option<Vec3> {
     if cams_from_world.len() != normalized.len() || cams_from_world.len() < 2 {
         return None;
@@ -40,14 +39,12 @@ pub fn triangulate_dlt(cams_from_world: &[SE3], normalized: &[Vec2]) -> Option<V
 }
 
 /// Like [`triangulate_dlt`], and `None` unless the point lies in front of every camera.
-#[must_use]
 pub fn triangulate(cams_from_world: &[SE3], normalized: &[Vec2]) -> Option<Vec3> {
     let point = triangulate_dlt(cams_from_world, normalized)?;
     cams_from_world.iter().all(|cam| (cam * point).z > 0.0).then_some(point)
 }
 
 /// The angle in radians between two directions, from 0 to pi, precise also for tiny angles; zero if a direction is zero.
-#[must_use]
 pub fn angle_between(a: &Vec3, b: &Vec3) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
 }

@@ -12,7 +12,6 @@ const MIN_SPREAD_RATIO: f64 = 1e-9;
 ///
 /// Weights default to one. `None` when the lengths differ, fewer than three points have a weight, the points lie on a line (the
 /// rotation is then not determined), or a number is not finite or a weight negative.
-#[must_use]
 pub fn align_umeyama(src: &[Vec3], dst: &[Vec3], weights: Option<&[f64]>, with_scale: bool) -> Option<Sim3> {
     if src.len() != dst.len() || weights.is_some_and(|w| w.len() != src.len()) {
         return None;

@@ -42,7 +42,6 @@ pub struct KeyframeCorrection {
 
 impl KeyframeCorrection {
     /// A new pose without a change of scale.
-    #[must_use]
     pub fn rigid(keyframe: KeyframeId, cam_from_world: SE3) -> Self {
         KeyframeCorrection { keyframe, cam_from_world, scale: 1.0 }
     }

@@ -36,7 +36,6 @@ use crate::Map;
 /// The bytes of a map file.
 ///
 /// The same map and description give the same bytes (with the same version of zstd).
-#[must_use]
 pub fn encode(map: &Map, info: &MapFileInfo) -> Vec<u8> {
     container::seal(info, &write::content_of(map))
 }

@@ -6,7 +6,7 @@ use geometry::SE3;
 
 use crate::arena::Arena;
 use crate::ids::Id;
-use crate::{Keyframe, KeyframeId, MapPoint, PointId};
+use crate::{Keyframe, KeyframeId, MapPoint, Observation, PointId};
 
 /// A point is young while the keyframe that was newest when it was made is one of this many newest inserted keyframes
 /// (counted by id, removed ones included). Only a young point may have a single observation: `insert` of a keyframe
@@ -75,6 +75,15 @@ impl Map {
     /// A point, unless it was removed, merged or never existed.
     pub fn point(&self, id: PointId) -> Option<&MapPoint> {
         self.points.get(id)
+    }
+
+    /// Mean activation of the features that see a point; those of a keyframe that is gone count as 1.
+    pub fn activation(&self, point: &MapPoint) -> f32 {
+        let of = |seen: &Observation| {
+            self.keyframe(seen.keyframe).map_or(1.0, |k| k.frame.activation[seen.feature as usize])
+        };
+        let sum: f32 = point.observations().iter().map(of).sum();
+        sum / point.n_observations().max(1) as f32
     }
 
     /// Keyframes in order of their ids.

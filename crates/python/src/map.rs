@@ -28,17 +28,6 @@ impl Map {
         }
         (keyframes, points)
     }
-
-    /// Activation of the feature by which each point is seen, the mean over its observations.
-    fn activations(&self) -> impl Iterator<Item = f32> {
-        self.0.points().map(|point| {
-            let of = |keyframe: KeyframeId, feature: u32| {
-                self.0.keyframe(keyframe).map_or(1.0, |k| k.frame.activation[feature as usize])
-            };
-            let sum: f32 = point.observations().iter().map(|seen| of(seen.keyframe, seen.feature)).sum();
-            sum / point.n_observations().max(1) as f32
-        })
-    }
 }
 
 #[pymethods]
@@ -81,7 +70,7 @@ impl Map {
 
     #[getter]
     fn activation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        PyArray1::from_iter(py, self.activations())
+        PyArray1::from_iter(py, self.0.points().map(|point| self.0.activation(point)))
     }
 
     #[getter]

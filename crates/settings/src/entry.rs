@@ -112,7 +112,6 @@ const fn entry(key: &'static str, kind: Kind, help: &'static str) -> Entry {
 
 impl Entry {
     /// The same key, listed only on request.
-    #[must_use]
     pub const fn expert(self) -> Entry {
         Entry { is_expert: true, ..self }
     }

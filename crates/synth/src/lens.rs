@@ -36,7 +36,6 @@ impl Lens {
 
     /// The left and the right camera, 0.54 m apart: turned against each other and against the rig by about a degree, the right one
     /// some millimeters higher and farther ahead, with slightly different lenses.
-    #[must_use]
     pub fn cameras(self) -> [LensCamera; 2] {
         let degrees = |x: f64, y: f64, z: f64| SO3::exp(&Vec3::new(x, y, z).map(f64::to_radians));
         let places = [

@@ -112,19 +112,16 @@ impl Preset {
     ];
 
     /// Name on the command line.
-    #[must_use]
     pub fn name(self) -> &'static str {
         WORDS[self as usize][0]
     }
 
     /// What it shows, in a few words.
-    #[must_use]
     pub fn about(self) -> &'static str {
         WORDS[self as usize][1]
     }
 
     /// Whether the street never comes back, so that it is driven once.
-    #[must_use]
     pub fn is_open(self) -> bool {
         self.settings().open
     }

@@ -20,34 +20,32 @@ pub(crate) struct Truth {
     pub(crate) labels: Raster<u8>,
 }
 
+/// What a world is made of: meshes and the textures on them.
+#[derive(Debug)]
+pub(crate) struct Shapes {
+    pub(crate) meshes: Vec<Mesh>,
+    pub(crate) library: Library,
+}
+
 /// The picture alone.
-pub(crate) fn picture(
-    view: &View,
-    meshes: &[Mesh],
-    instances: &[Instance],
-    library: &Library,
-    shot: &Shot,
-) -> GrayImage {
-    let prepared = prepare(view, meshes, instances, &shot.light);
+pub(crate) fn picture(view: &View, shapes: &Shapes, instances: &[Instance], shot: &Shot) -> GrayImage {
+    let prepared = prepare(view, &shapes.meshes, instances, &shot.light);
     let mut gray = GrayImage::new(WIDTH, HEIGHT, 0);
-    gray.data.par_chunks_mut(BAND_ROWS * WIDTH).enumerate().for_each_init(
-        Workspace::new,
-        |work, (i, rows)| {
-            work.draw(i * BAND_ROWS, rows, &prepared, library, shot);
-        },
-    );
+    let bands = gray.data.par_chunks_mut(BAND_ROWS * WIDTH).enumerate();
+    bands.for_each_init(Workspace::new, |work, (i, rows)| {
+        work.draw(i * BAND_ROWS, rows, &prepared, &shapes.library, shot);
+    });
     gray
 }
 
 /// The picture with depth and labels.
 pub(crate) fn picture_and_truth(
     view: &View,
-    meshes: &[Mesh],
+    shapes: &Shapes,
     instances: &[Instance],
-    library: &Library,
     shot: &Shot,
 ) -> (GrayImage, Truth) {
-    let prepared = prepare(view, meshes, instances, &shot.light);
+    let prepared = prepare(view, &shapes.meshes, instances, &shot.light);
     let mut gray = GrayImage::new(WIDTH, HEIGHT, 0);
     let mut depth_m = Raster::new(WIDTH, HEIGHT, 0.0);
     let mut labels = Raster::new(WIDTH, HEIGHT, LABEL_SKY);
@@ -58,7 +56,7 @@ pub(crate) fn picture_and_truth(
         .zip(labels.data.par_chunks_mut(size))
         .enumerate()
         .for_each_init(Workspace::new, |work, (i, ((rows, depth), labels))| {
-            work.draw(i * BAND_ROWS, rows, &prepared, library, shot);
+            work.draw(i * BAND_ROWS, rows, &prepared, &shapes.library, shot);
             work.truth(i * BAND_ROWS, &prepared, depth, labels);
         });
     (gray, Truth { depth_m, labels })
@@ -141,7 +139,7 @@ mod tests {
             .collect();
         let library = Library::bake(&[Recipe::Material(Material::Concrete, 1)]);
         let shot = Sensor::new(1).shot(Eye::Left, 0, 0.0, Light::noon());
-        picture_and_truth(&view(), meshes, &instances, &library, &shot)
+        picture_and_truth(&view(), &Shapes { meshes: meshes.to_vec(), library }, &instances, &shot)
     }
 
     #[test]

@@ -52,33 +52,27 @@ fn ground(course: &Course, common: &Common) -> Mesh {
     let (low, high) = course.bounds();
     let (x0, x1, z0, z1, y) = (low.x - 420.0, high.x + 420.0, low.z - 420.0, high.z + 420.0, 0.03);
     let mut mesh = Mesh::default();
-    flat(
-        &mut mesh,
-        &[V3::new(x0, y, z1), V3::new(x1, y, z1), V3::new(x1, y, z0), V3::new(x0, y, z0)],
-        common.grass,
-    );
+    let corners = [V3::new(x0, y, z1), V3::new(x1, y, z1), V3::new(x1, y, z0), V3::new(x0, y, z0)];
+    flat(&mut mesh, &corners, common.grass);
     mesh.finish()
+}
+
+/// A flat piece of road between two cross-sections, from `left` to `right` of the course.
+fn piece(mesh: &mut Mesh, [a, b]: [&Station; 2], [left, right]: [f64; 2], surface: Surface) {
+    let at = |station: &Station, lateral: f64| station.beside(lateral).position;
+    flat(mesh, &[at(b, left), at(b, right), at(a, right), at(a, left)], surface);
 }
 
 /// Carriageway, curbs and walks between two cross-sections.
 fn section(mesh: &mut Mesh, layout: &Layout<'_>, common: &Common, s: f64, step: f64) {
     let (a, b) = (layout.course.at(s), layout.course.at(s + step));
-    let at = |station: &Station, lateral: f64, up: f64| station.beside(lateral).position - V3::y() * up;
     let half = ROAD_HALF_M;
-    flat(
-        mesh,
-        &[at(&b, -half, 0.0), at(&b, half, 0.0), at(&a, half, 0.0), at(&a, -half, 0.0)],
-        common.asphalt,
-    );
+    piece(mesh, [&a, &b], [-half, half], common.asphalt);
     for side in [-1.0, 1.0] {
         if layout.to_side_street(s + 0.5 * step, side) < SIDE_HALF_M + 0.9 {
             let mouth = [side * half, side * (half + WALK_M)];
             let (left, right) = (mouth[0].min(mouth[1]), mouth[0].max(mouth[1]));
-            flat(
-                mesh,
-                &[at(&b, left, 0.0), at(&b, right, 0.0), at(&a, right, 0.0), at(&a, left, 0.0)],
-                common.asphalt,
-            );
+            piece(mesh, [&a, &b], [left, right], common.asphalt);
             continue;
         }
         walk(mesh, common, [&a, &b], side, s);
@@ -112,10 +106,9 @@ fn walk(mesh: &mut Mesh, common: &Common, [a, b]: [&Station; 2], side: f64, s: f
 
 /// A mark along the street: its middle at `lateral`, from `s` over `length`.
 fn stripe(mesh: &mut Mesh, course: &Course, surface: Surface, s: f64, length: f64, lateral: f64, width: f64) {
-    let (a, b) = (course.at(s), course.at(s + length));
-    let at = |station: &Station, x: f64| station.beside(lateral + x).position;
     let half = 0.5 * width;
-    flat(mesh, &[at(&b, -half), at(&b, half), at(&a, half), at(&a, -half)], surface);
+    let ends = [&course.at(s), &course.at(s + length)];
+    piece(mesh, ends, [lateral - half, lateral + half], surface);
 }
 
 /// Center dashes, parking bays, zebra crossings and stop lines before side streets.
@@ -210,34 +203,22 @@ fn side_street(street: &SideStreet, common: &Common) -> Mesh {
             street.center + dir * forward + side * lateral - V3::y() * up
         };
         let (near, far) = (ROAD_HALF_M + WALK_M, length);
-        let strip = |mesh: &mut Mesh, l: f64, r: f64, up: f64, surface: Surface| {
-            flat(
-                mesh,
-                &[point(far, l, up), point(far, r, up), point(near, r, up), point(near, l, up)],
-                surface,
-            );
+        let strip = |mesh: &mut Mesh, [from, to]: [f64; 2], [l, r]: [f64; 2], up: f64, surface: Surface| {
+            let corners = [point(to, l, up), point(to, r, up), point(from, r, up), point(from, l, up)];
+            flat(mesh, &corners, surface);
         };
-        strip(&mut mesh, -SIDE_HALF_M, SIDE_HALF_M, 0.0, common.asphalt);
+        strip(&mut mesh, [near, far], [-SIDE_HALF_M, SIDE_HALF_M], 0.0, common.asphalt);
         for k in [-1.0, 1.0] {
             let (inner, outer) = (k * SIDE_HALF_M, k * (SIDE_HALF_M + 1.8));
-            strip(&mut mesh, inner.min(outer), inner.max(outer), CURB_M, common.paving);
+            let walk = [inner.min(outer), inner.max(outer)];
+            strip(&mut mesh, [near, far], walk, CURB_M, common.paving);
             let (a, b) = (point(near, inner, CURB_M), point(far, inner, CURB_M));
             let (from, to) = if k > 0.0 { (b, a) } else { (a, b) };
             mesh.quad(from, to - from, V3::y() * CURB_M, common.curb);
         }
         let mut s = near + 1.0;
         while s + 2.0 < far {
-            let half = 0.06;
-            flat(
-                &mut mesh,
-                &[
-                    point(s + 2.0, -half, 0.0),
-                    point(s + 2.0, half, 0.0),
-                    point(s, half, 0.0),
-                    point(s, -half, 0.0),
-                ],
-                common.paint,
-            );
+            strip(&mut mesh, [s, s + 2.0], [-0.06, 0.06], 0.0, common.paint);
             s += 5.0;
         }
     }

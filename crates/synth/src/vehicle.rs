@@ -29,6 +29,10 @@ impl Model {
     }
 }
 
+/// Where x points on the right of who sees a face from the front, and from behind or above.
+const FROM_FRONT: f64 = -1.0;
+const FROM_BEHIND: f64 = 1.0;
+
 /// Builds faces of one vehicle with its own paint.
 struct Body<'a> {
     mesh: Mesh,
@@ -103,6 +107,15 @@ impl Body<'_> {
         self.mesh.add(&corners, wide.normalize(), normal_free.normalize(), surface);
     }
 
+    /// A face that reaches as far to the left as to the right, between its upper and its lower edge as seen; of each
+    /// edge half its length, height and z. `right` is where x points on the viewer's right.
+    fn across(&mut self, part: Part, right: f64, upper: [f64; 3], lower: [f64; 3]) {
+        let corner = |side: f64, [half, up, z]: [f64; 3]| V3::new(side * half, -up, z);
+        let corners =
+            [corner(-right, upper), corner(right, upper), corner(right, lower), corner(-right, lower)];
+        self.face(part, corners);
+    }
+
     /// A car with bonnet, cabin and boot; `belt` is the height of the lower edge of the windows.
     fn car(&mut self, size: Size, belt: f64, profile: &Profile) {
         let (half_w, half_l, bottom) = (0.5 * size.width, 0.5 * size.length, 0.2);
@@ -111,65 +124,18 @@ impl Body<'_> {
         let base = front - profile.bonnet;
         let (roof_front, roof_rear) = (base - profile.screen, rear + profile.boot + profile.rear_screen);
         let tail = rear + profile.boot;
-        let inner = half_w - 0.17;
-        let p = |x: f64, up: f64, z: f64| V3::new(x, -up, z);
-        self.face(
-            Part::Front,
-            [
-                p(half_w, nose, front),
-                p(-half_w, nose, front),
-                p(-half_w, bottom, front),
-                p(half_w, bottom, front),
-            ],
-        );
-        self.face(
-            Part::Rear,
-            [
-                p(-half_w, belt, rear),
-                p(half_w, belt, rear),
-                p(half_w, bottom, rear),
-                p(-half_w, bottom, rear),
-            ],
-        );
-        self.face(
-            Part::Sheet,
-            [p(-half_w, nose, front), p(half_w, nose, front), p(half_w, belt, base), p(-half_w, belt, base)],
-        );
-        self.face(
-            Part::Sheet,
-            [p(-half_w, belt, tail), p(half_w, belt, tail), p(half_w, belt, rear), p(-half_w, belt, rear)],
-        );
-        self.face(
-            Part::Glass,
-            [
-                p(inner, size.height, roof_front),
-                p(-inner, size.height, roof_front),
-                p(-half_w, belt, base),
-                p(half_w, belt, base),
-            ],
-        );
-        self.face(
-            Part::Glass,
-            [
-                p(-inner, size.height, roof_rear),
-                p(inner, size.height, roof_rear),
-                p(half_w, belt, tail),
-                p(-half_w, belt, tail),
-            ],
-        );
-        self.face(
-            Part::Sheet,
-            [
-                p(-inner, size.height, roof_front),
-                p(inner, size.height, roof_front),
-                p(inner, size.height, roof_rear),
-                p(-inner, size.height, roof_rear),
-            ],
-        );
+        let (half_roof, roof) = (half_w - 0.17, size.height);
+        self.across(Part::Front, FROM_FRONT, [half_w, nose, front], [half_w, bottom, front]);
+        self.across(Part::Rear, FROM_BEHIND, [half_w, belt, rear], [half_w, bottom, rear]);
+        self.across(Part::Sheet, FROM_BEHIND, [half_w, nose, front], [half_w, belt, base]);
+        self.across(Part::Sheet, FROM_BEHIND, [half_w, belt, tail], [half_w, belt, rear]);
+        self.across(Part::Glass, FROM_FRONT, [half_roof, roof, roof_front], [half_w, belt, base]);
+        self.across(Part::Glass, FROM_BEHIND, [half_roof, roof, roof_rear], [half_w, belt, tail]);
+        self.across(Part::Sheet, FROM_BEHIND, [half_roof, roof, roof_front], [half_roof, roof, roof_rear]);
         self.flanks(size, belt, nose, base);
         for side in [-1.0, 1.0] {
-            let upper = [p(side * inner, size.height, roof_front), p(side * inner, size.height, roof_rear)];
-            let lower = [p(side * half_w, belt, tail), p(side * half_w, belt, base)];
+            let upper = [roof_front, roof_rear].map(|z| V3::new(side * half_roof, -roof, z));
+            let lower = [tail, base].map(|z| V3::new(side * half_w, -belt, z));
             self.cabin_side(side, upper, lower);
         }
     }
@@ -218,19 +184,15 @@ impl Body<'_> {
     fn boxed(&mut self, rear: f64, length: f64, size: Size, [side_part, rear_part]: [Part; 2]) {
         let (w, bottom) = (0.5 * size.width, 0.35);
         let front = rear + length;
+        let (h, middle) = (size.height, 0.5 * size.height);
         let p = |x: f64, up: f64, z: f64| V3::new(x, -up, z);
-        let h = size.height;
         self.face(side_part, [p(-w, h, front), p(-w, h, rear), p(-w, bottom, rear), p(-w, bottom, front)]);
         self.face(side_part, [p(w, h, rear), p(w, h, front), p(w, bottom, front), p(w, bottom, rear)]);
         // The upper half of the front is glass.
-        let middle = 0.5 * h;
-        self.face(Part::Glass, [p(w, h, front), p(-w, h, front), p(-w, middle, front), p(w, middle, front)]);
-        self.face(
-            Part::Front,
-            [p(w, middle, front), p(-w, middle, front), p(-w, bottom, front), p(w, bottom, front)],
-        );
-        self.face(rear_part, [p(-w, h, rear), p(w, h, rear), p(w, bottom, rear), p(-w, bottom, rear)]);
-        self.face(Part::Sheet, [p(-w, h, front), p(w, h, front), p(w, h, rear), p(-w, h, rear)]);
+        self.across(Part::Glass, FROM_FRONT, [w, h, front], [w, middle, front]);
+        self.across(Part::Front, FROM_FRONT, [w, middle, front], [w, bottom, front]);
+        self.across(rear_part, FROM_BEHIND, [w, h, rear], [w, bottom, rear]);
+        self.across(Part::Sheet, FROM_BEHIND, [w, h, front], [w, h, rear]);
     }
 
     /// Discs just outside the flanks, with a tread below the body.

@@ -7,9 +7,9 @@ use crate::drive::{Drive, Stop};
 use crate::layout::SideStreet;
 use crate::lens::{LensCamera, Redrawing};
 use crate::library::{Common, Library};
-use crate::mesh::{Instance, Mesh, V3};
+use crate::mesh::{Instance, V3};
 use crate::preset::{Halts, Pace, Preset, Settings};
-use crate::render;
+use crate::render::{self, Shapes};
 use crate::sensor::{Eye, Sensor};
 use crate::town::{self, Scene};
 use crate::traffic::{Halt, Traffic, TrafficPlan};
@@ -70,9 +70,8 @@ pub struct World {
     rounds: u32,
     course: Course,
     drive: Drive,
-    meshes: Vec<Mesh>,
+    shapes: Shapes,
     still: Vec<Instance>,
-    library: Library,
     traffic: Traffic,
     sensor: Sensor,
     daylight: Daylight,
@@ -84,7 +83,6 @@ pub struct World {
 impl World {
     /// Lays out the world of a seed and bakes its textures (about a second). `rounds` (at least 1) is how often the closed course is
     /// driven; an open street becomes longer by `rounds`.
-    #[must_use]
     pub fn new(preset: Preset, seed: u64, rounds: u32) -> Self {
         let rounds = rounds.max(1);
         let settings = preset.settings();
@@ -104,7 +102,7 @@ impl World {
             halts: &halts,
         };
         let traffic = Traffic::new(&plan, &mut scene, &common, seed);
-        let library = Library::bake(&scene.recipes.list);
+        let shapes = Shapes { library: Library::bake(&scene.recipes.list), meshes: scene.meshes };
         let n_frames = (drive.duration() * FRAME_RATE_HZ).floor() as usize + 1;
         let first_from_world = drive.pose(&course, 0.0).inverse();
         Self {
@@ -113,9 +111,8 @@ impl World {
             rounds,
             course,
             drive,
-            meshes: scene.meshes,
+            shapes,
             still: scene.instances,
-            library,
             traffic,
             sensor: Sensor::new(seed),
             daylight: Daylight::steady(),
@@ -135,49 +132,41 @@ impl World {
     }
 
     /// Whether rounds after the first have light of their own.
-    #[must_use]
     pub fn is_relit(&self) -> bool {
         self.relit
     }
 
     /// Kind of world.
-    #[must_use]
     pub fn preset(&self) -> Preset {
         self.preset
     }
 
     /// The seed that everything follows from.
-    #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
     /// How often the course is driven.
-    #[must_use]
     pub fn rounds(&self) -> u32 {
         self.rounds
     }
 
     /// Number of frames of the whole drive, 10 per second.
-    #[must_use]
     pub fn n_frames(&self) -> usize {
         self.n_frames
     }
 
     /// Length of one round (of the whole street, if it is open), meters.
-    #[must_use]
     pub fn course_length_m(&self) -> f64 {
         self.course.length
     }
 
     /// Whether a round ends where it began.
-    #[must_use]
     pub fn is_closed(&self) -> bool {
         self.course.closed
     }
 
     /// The camera pair: KITTI's focal length and image size, 0.54 m apart, no distortion.
-    #[must_use]
     pub fn rig(&self) -> StereoRig {
         StereoRig {
             camera: Pinhole { fx: 707.0912, fy: 707.0912, cx: 601.8873, cy: 183.1104 },
@@ -186,37 +175,27 @@ impl World {
     }
 
     /// Image width and height, pixels.
-    #[must_use]
     pub fn image_size(&self) -> (usize, usize) {
         (WIDTH, HEIGHT)
     }
 
     /// Time of frame `i`, seconds.
-    #[must_use]
     pub fn timestamp_s(&self, i: usize) -> f64 {
         i as f64 / FRAME_RATE_HZ
     }
 
     /// Pose of the left camera at frame `i` in the frame of the first left camera.
-    #[must_use]
     pub fn world_from_cam(&self, i: usize) -> SE3 {
         (self.first_from_world * self.drive.pose(&self.course, self.timestamp_s(i))).normalized()
     }
 
     /// Images, depth, labels and pose of frame `i`; beyond the drive's end the vehicle goes on at its last speed.
-    #[must_use]
     pub fn frame(&self, i: usize) -> StereoFrame {
         let moment = self.moment(i);
         let (left, right) = rayon::join(
             || {
                 let shot = self.sensor.shot(Eye::Left, i, moment.t, moment.light);
-                render::picture_and_truth(
-                    &moment.views[0],
-                    &self.meshes,
-                    &moment.instances,
-                    &self.library,
-                    &shot,
-                )
+                render::picture_and_truth(&moment.views[0], &self.shapes, &moment.instances, &shot)
             },
             || self.picture(&moment, Eye::Right, i),
         );
@@ -231,7 +210,6 @@ impl World {
     }
 
     /// The images of [`World::frame`] alone, which is a little faster.
-    #[must_use]
     pub fn images(&self, i: usize) -> StereoImages {
         let moment = self.moment(i);
         let (left, right) =
@@ -240,7 +218,6 @@ impl World {
     }
 
     /// The world as raw cameras with lenses see it.
-    #[must_use]
     pub fn lens_rig(&self, cameras: &[LensCamera; 2]) -> LensRig<'_> {
         LensRig { world: self, redrawings: [0, 1].map(|i| Redrawing::new(&cameras[i])) }
     }
@@ -248,7 +225,7 @@ impl World {
     fn picture(&self, moment: &Moment, eye: Eye, i: usize) -> GrayImage {
         let shot = self.sensor.shot(eye, i, moment.t, moment.light);
         let view = &moment.views[usize::from(eye == Eye::Right)];
-        render::picture(view, &self.meshes, &moment.instances, &self.library, &shot)
+        render::picture(view, &self.shapes, &moment.instances, &shot)
     }
 
     fn moment(&self, i: usize) -> Moment {
@@ -276,7 +253,6 @@ pub struct LensRig<'a> {
 
 impl LensRig<'_> {
     /// Left and right raw image of frame `i`.
-    #[must_use]
     pub fn images(&self, i: usize) -> [GrayImage; 2] {
         let world = self.world;
         let moment = world.moment(i);
@@ -285,7 +261,7 @@ impl LensRig<'_> {
             let shot = world.sensor.shot(eye, i, moment.t, moment.light);
             self.redrawings[usize::from(eye == Eye::Right)].image(&world_from_rig, |view, tile| {
                 let shot = shot.of_tile(tile);
-                render::picture(view, &world.meshes, &moment.instances, &world.library, &shot)
+                render::picture(view, &world.shapes, &moment.instances, &shot)
             })
         };
         let (left, right) = rayon::join(|| image(Eye::Left), || image(Eye::Right));
@@ -369,7 +345,7 @@ mod tests {
                 for vehicle in moment.instances.iter().filter(|v| vehicles.contains(&v.label)) {
                     let offset = moment.views[0].center - vehicle.placement.position;
                     let eye = vehicle.placement.rotation().transpose() * offset;
-                    let mesh = &world.meshes[vehicle.mesh as usize];
+                    let mesh = &world.shapes.meshes[vehicle.mesh as usize];
                     let reach = mesh.vertices.iter().fold(V3::zeros(), |reach, v| reach.sup(&v.abs()));
                     assert!(
                         eye.x.abs() > reach.x + 0.4 || eye.z.abs() > reach.z + 0.4,

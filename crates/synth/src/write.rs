@@ -99,10 +99,7 @@ fn write_frame(world: &World, i: usize, out_dir: &Path, options: &WriteOptions) 
 
 /// 16-bit depth; what is farther than it can say becomes 0.
 fn in_units(depth_m: &Raster<f32>) -> DepthImage {
-    let unit = |d: &f32| {
-        let units = (f64::from(*d) * DEPTH_UNITS_PER_METRE).round();
-        if units <= f64::from(u16::MAX) { units as u16 } else { 0 }
-    };
+    let unit = |d: &f32| DepthImage::value(f64::from(*d) * DEPTH_UNITS_PER_METRE);
     DepthImage { width: depth_m.width, height: depth_m.height, data: depth_m.data.iter().map(unit).collect() }
 }
 

@@ -10,24 +10,14 @@ use io::{Trajectory, read_trajectory};
 use super::out::say;
 use crate::consistency::{Consistency, ConsistencyOptions, ConsistentFrame, interpolated};
 use crate::frames_table::{FrameRow, read_frames};
-use crate::plot::{ConsistencyFigure, save};
-
-pub(super) const HELP: &str = "\
-Compares each frame's motion since the frame 10 before it with the truth, in units of the covariance
-in frames.csv (NEES, 6 degrees of freedom). Where covariances are right, 95 % of the values lie
-between 1.24 and 14.4, and their mean is 6.
-
-Examples:
-  dsslam eval consistency results/latest
-  dsslam eval consistency results/latest --plots out
-  dsslam eval consistency results/latest --ground-truth groundtruth.txt --truth-sigma 0.002,0.15";
+use crate::plot;
 
 /// Times of a frame in two files differ by rounding only, seconds.
 const TIME_TOLERANCE_S: f64 = 5e-4;
 
 /// Arguments of `dsslam eval consistency`.
 #[derive(Debug, Args)]
-pub(super) struct ConsistencyArgs {
+pub struct ConsistencyArgs {
     /// Results folder of a run: frames.csv and trajectory.tum.txt.
     #[arg(value_name = "RUN")]
     run: PathBuf,
@@ -63,7 +53,7 @@ pub(super) fn run(args: &ConsistencyArgs) -> Result<()> {
     if let Some(folder) = &args.plots {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let title = format!("Consistency of {}", args.run.display());
-        save(folder, "consistency", &ConsistencyFigure { title, consistency: found })?;
+        plot::save(folder, "consistency", &plot::consistency(&title, &found)?)?;
         say(format!("plots         {}", folder.display()))?;
     }
     Ok(())

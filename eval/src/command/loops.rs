@@ -7,19 +7,12 @@ use clap::Args;
 
 use super::out::say;
 use crate::detections::detections_csv;
-use crate::plot::{PrecisionRecallFigure, save};
+use crate::plot;
 use crate::{Detection, LoopTruth, SamePlace, precision_recall, score_loops};
-
-pub(super) const HELP: &str = "\
-DETECTIONS: one line per detection, 'query,answer' or 'query,answer,score' (frame numbers; a smaller score is better: the mean
-reprojection error of the RANSAC inliers). Scores add a precision-recall curve and its AUC.
-
-Examples:
-  dsslam eval loops detections.csv --poses kitti/poses/06.txt --min-gap 1 --plots out";
 
 /// Arguments of `dsslam eval loops`.
 #[derive(Debug, Args)]
-pub(super) struct LoopsArgs {
+pub struct LoopsArgs {
     /// Detected loops (CSV).
     #[arg(value_name = "DETECTIONS")]
     detections: PathBuf,
@@ -86,9 +79,8 @@ pub(super) fn run(args: &LoopsArgs) -> Result<()> {
     if let Some(folder) = &args.plots {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let name = args.detections.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let figure =
-            PrecisionRecallFigure { title: "Place recognition".to_owned(), curves: vec![(name, curve)] };
-        save(folder, "precision_recall", &figure)?;
+        let figure = plot::precision_recall("Place recognition", &[(name, curve)])?;
+        plot::save(folder, "precision_recall", &figure)?;
     }
     Ok(())
 }

@@ -14,46 +14,9 @@ use crate::report::html_report;
 use crate::suite::{Event, Results, RunOptions, RunRecord, RunState, job_lines, read_plan, run_suite};
 use crate::table::{Table, metric_table, runs_csv, runs_table};
 
-pub(super) const RUN_HELP: &str = "\
-A suite is a YAML file:
-  name: kitti
-  dataset: kitti                      # published results to compare with (kitti, euroc, tum-rgbd)
-  sequences:
-    - {name: \"00\", path: \"${DSSLAM_DATA}/kitti/sequences/00\"}   # ground_truth: FILE, max_frames: N, sensor: mono
-                                      # variant: reversed, reference_ate_m: 1.2, purpose: choosing|judging
-  variants: [plain, reversed, mirrored]   # each sequence as it is, and in these
-  configurations:
-    - {name: orb, config: ../../configs/kitti.yaml, set: [features.keep=1000]}   # sensor: stereo|rgbd|mono
-  repeats: 1                          # timeout_s: 3600, lengths_m: [100, 200]
-Relative paths start at the file's folder. Each run has its folder RESULTS/<sequence>/<configuration>/<repeat>; started
-again, the suite continues where it stopped.
-
-Examples:
-  dsslam eval run suite.yaml --jobs 2                            # results/<name of the suite>
-  dsslam eval run suite.yaml --out RESULTS --jobs-file jobs.txt  # runs nothing, writes the commands
-
-On several machines that share a folder:
-  dsslam eval run suite.yaml --out RESULTS --jobs-file jobs.txt
-  parallel --jobs 4 < jobs.txt
-  sbatch --array=1-$(wc -l < jobs.txt) --wrap 'sh -c \"$(sed -n ${SLURM_ARRAY_TASK_ID}p jobs.txt)\"'
-  dsslam eval table RESULTS";
-
-pub(super) const TABLE_HELP: &str = "\
-Examples:
-  dsslam eval table results/short";
-
-pub(super) const COMPARE_HELP: &str = "\
-Examples:
-  dsslam eval compare results/short                         # configurations against the first
-  dsslam eval compare results/short --before results/short  # against an earlier run of the suite";
-
-pub(super) const PLOT_HELP: &str = "\
-Examples:
-  dsslam eval plot results/short";
-
 /// Arguments of `dsslam eval run`.
 #[derive(Debug, Args)]
-pub(super) struct RunArgs {
+pub struct RunArgs {
     /// The suite.
     #[arg(value_name = "SUITE.yaml")]
     suite: PathBuf,
@@ -82,7 +45,7 @@ pub(super) struct RunArgs {
 
 /// Arguments of `dsslam eval table` and `dsslam eval plot`.
 #[derive(Debug, Args)]
-pub(super) struct ResultsArgs {
+pub struct ResultsArgs {
     /// Results folder of `dsslam eval run`.
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
@@ -96,7 +59,7 @@ pub(super) struct ResultsArgs {
 
 /// Arguments of `dsslam eval compare`.
 #[derive(Debug, Args)]
-pub(super) struct CompareArgs {
+pub struct CompareArgs {
     /// Results folder of `dsslam eval run`.
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
@@ -209,7 +172,7 @@ pub(super) fn plot(args: &ResultsArgs) -> Result<()> {
     let (results, baselines, folder) = args.open("plots")?;
     let (figures, problems) = result_figures(&results, &baselines);
     for figure in &figures {
-        plot::save(&folder, &figure.name, &*figure.figure)?;
+        plot::save(&folder, &figure.name, &figure.figure)?;
         say(format!("{}.png, .svg: {}", figure.name, figure.caption))?;
     }
     for problem in &problems {

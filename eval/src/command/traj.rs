@@ -9,21 +9,15 @@ use io::{Stamps, TrajectoryFile, TrajectoryFormat, read_trajectory};
 use super::hints::{self, Named};
 use super::out::{hint, say};
 use crate::figures::path_figures;
-use crate::plot::{self, DriftAxis, DriftFigure};
+use crate::plot::{self, DriftAxis};
 use crate::{
     Alignment, Association, DeltaUnit, Estimate, Evaluation, EvaluationOptions, KITTI_LENGTHS_M, LostFrames,
     PairMode, RpeOptions, Statistics, TIMESTAMP_TOLERANCE_S,
 };
 
-pub(super) const EXAMPLES: &str = "\
-Examples:
-  dsslam eval traj results/latest/trajectory.kitti.txt kitti/poses/06.txt
-  dsslam eval traj est.txt groundtruth.txt --align sim3 --plots out/
-  dsslam eval traj est.txt gt.csv --tolerance 0.02 --lengths 5,10,20";
-
 /// Arguments of `dsslam eval traj`.
 #[derive(Debug, Args)]
-pub(super) struct TrajArgs {
+pub struct TrajArgs {
     /// Estimated trajectory.
     #[arg(value_name = "ESTIMATE")]
     est: PathBuf,
@@ -260,19 +254,16 @@ fn write_plots(folder: &Path, args: &TrajArgs, e: &Evaluation) -> Result<()> {
     let aligned = |pose: &Option<geometry::SE3>| Some(e.aligned(&pose.as_ref()?.translation));
     let estimate: Vec<_> = e.matched.est.iter().map(aligned).collect();
     let ground_truth = crate::positions(&e.matched.gt);
-    for (what, _, figure) in path_figures(&title, &estimate, &ground_truth) {
+    for (what, _, figure) in path_figures(&title, &estimate, &ground_truth)? {
         let file = if what == "error" { what.to_owned() } else { format!("trajectory_{what}") };
-        plot::save(folder, &file, &*figure)?;
+        plot::save(folder, &file, &figure)?;
     }
     for (file, axis, bins) in
         [("drift_length", DriftAxis::Length, &e.per_length), ("drift_speed", DriftAxis::Speed, &e.per_speed)]
     {
         if !bins.is_empty() {
-            plot::save(
-                folder,
-                file,
-                &DriftFigure { title: title.clone(), axis, curves: vec![(name(&args.est), bins.clone())] },
-            )?;
+            let curves = [(name(&args.est), bins.clone())];
+            plot::save(folder, file, &plot::drift(&title, axis, &curves)?)?;
         }
     }
     say(format!("plots         {}", folder.display()))?;

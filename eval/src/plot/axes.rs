@@ -58,6 +58,14 @@ pub(crate) fn range(values: impl Iterator<Item = f64>, margin: Margin) -> (f64, 
     if high - low > 1e-12 * high.abs().max(1e-12) { (low, high) } else { (low - 0.5, high + 0.5) }
 }
 
+impl Frame {
+    /// What is left below the header, with room for labels.
+    pub(crate) fn below(top: f64, canvas: &Canvas) -> Frame {
+        let (width, height) = canvas.extent();
+        Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 }
+    }
+}
+
 impl Axes {
     /// Axes with the same meters per pixel on both sides: the ranges grow around their centers until they fit.
     pub(crate) fn equal(frame: Frame, x: (f64, f64), y: (f64, f64)) -> Axes {
@@ -120,7 +128,8 @@ pub(crate) fn colored<'a>(names: impl Iterator<Item = &'a str>, width: f64) -> V
 }
 
 /// Title and legend above the frame; returns their height.
-pub(crate) fn header(canvas: &mut Canvas, width: f64, title: &str, keys: &[Key<'_>]) -> f64 {
+pub(crate) fn header(canvas: &mut Canvas, title: &str, keys: &[Key<'_>]) -> f64 {
+    let (width, _) = canvas.extent();
     let mut size = LARGE;
     while size > 10.0 && canvas.text_width(title, size) > width - 20.0 {
         size -= 1.0;

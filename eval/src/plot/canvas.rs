@@ -40,38 +40,25 @@ pub(crate) fn color(i: usize) -> RGBColor {
     PALETTE[i % PALETTE.len()]
 }
 
-/// Something that can be drawn to PNG and SVG.
-pub trait Figure {
-    /// Width and height in logical pixels.
-    fn size(&self) -> (u32, u32);
-
-    /// Draws everything.
-    ///
-    /// # Errors
-    /// Nothing to draw.
-    fn draw(&self, canvas: &mut Canvas) -> Result<()>;
-}
-
-/// Draws `figure` as an RGB image, twice its logical size.
+/// Draws a figure as an RGB image, twice its logical size.
 ///
 /// # Errors
-/// See [`Figure::draw`]; or the backend's error.
-pub fn render(figure: &dyn Figure) -> Result<RgbImage> {
-    let (size, shapes) = drawn(figure)?;
+/// The backend's error.
+pub fn render(figure: &Canvas) -> Result<RgbImage> {
+    let size = figure.drawn_size();
     let mut pixels = vec![255; size.0 as usize * size.1 as usize * 3];
-    paint(BitMapBackend::with_buffer(&mut pixels, size), &shapes, Lines::Segments)?;
+    paint(BitMapBackend::with_buffer(&mut pixels, size), &figure.shapes, Lines::Segments)?;
     Ok(shrink(&pixels, size.0))
 }
 
-/// Draws `figure` as SVG text of its logical size.
+/// Draws a figure as SVG text of its logical size.
 ///
 /// # Errors
-/// See [`Figure::draw`]; or the backend's error.
-pub fn svg(figure: &dyn Figure) -> Result<String> {
-    let (size, shapes) = drawn(figure)?;
+/// The backend's error.
+pub fn svg(figure: &Canvas) -> Result<String> {
+    let (size, (width, height)) = (figure.drawn_size(), figure.size);
     let mut text = String::new();
-    paint(SVGBackend::with_string(&mut text, size), &shapes, Lines::Whole)?;
-    let (width, height) = figure.size();
+    paint(SVGBackend::with_string(&mut text, size), &figure.shapes, Lines::Whole)?;
     Ok(text.replacen(
         &format!("width=\"{}\" height=\"{}\"", size.0, size.1),
         &format!("width=\"{width}\" height=\"{height}\" stroke-linejoin=\"round\" stroke-linecap=\"round\""),
@@ -79,42 +66,24 @@ pub fn svg(figure: &dyn Figure) -> Result<String> {
     ))
 }
 
-/// Writes `figure` as PNG, twice its logical size.
+/// Writes a figure as PNG, twice its logical size.
 ///
 /// # Errors
-/// See [`Figure::draw`]; or the file cannot be written.
-pub fn save_png(path: &Path, figure: &dyn Figure) -> Result<()> {
+/// It cannot be drawn; or the file cannot be written.
+pub fn save_png(path: &Path, figure: &Canvas) -> Result<()> {
     let image = render(figure).with_context(|| format!("cannot draw {}", path.display()))?;
     image.save(path).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Writes `figure` as SVG.
+/// Writes a figure as `<folder>/<name>.png` and `<name>.svg`.
 ///
 /// # Errors
-/// See [`Figure::draw`]; or the file cannot be written.
-pub fn save_svg(path: &Path, figure: &dyn Figure) -> Result<()> {
-    let text = svg(figure).with_context(|| format!("cannot draw {}", path.display()))?;
-    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
-}
-
-/// Writes `figure` as `<folder>/<name>.png` and `<name>.svg`.
-///
-/// # Errors
-/// See [`Figure::draw`]; or a file cannot be written.
-pub fn save(folder: &Path, name: &str, figure: &dyn Figure) -> Result<()> {
+/// It cannot be drawn; or a file cannot be written.
+pub fn save(folder: &Path, name: &str, figure: &Canvas) -> Result<()> {
     save_png(&folder.join(format!("{name}.png")), figure)?;
-    save_svg(&folder.join(format!("{name}.svg")), figure)
-}
-
-/// Size in drawn pixels and all shapes of `figure`.
-fn drawn(figure: &dyn Figure) -> Result<((u32, u32), Vec<Shape>)> {
-    static REGISTERED: OnceLock<bool> = OnceLock::new();
-    let registered = *REGISTERED.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
-    ensure!(registered, "the built-in font cannot be read");
-    let mut canvas = Canvas { shapes: Vec::new() };
-    figure.draw(&mut canvas)?;
-    let (width, height) = figure.size();
-    Ok(((width * UNIT, height * UNIT), canvas.shapes))
+    let path = folder.join(format!("{name}.svg"));
+    let text = svg(figure).with_context(|| format!("cannot draw {}", path.display()))?;
+    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// Averages squares of drawn pixels.
@@ -181,8 +150,9 @@ where
     Ok(backend.present()?)
 }
 
-/// A figure being drawn, in logical pixels.
+/// A figure: what is drawn on it, and its width and height in logical pixels.
 pub struct Canvas {
+    size: (u32, u32),
     shapes: Vec<Shape>,
 }
 
@@ -195,6 +165,27 @@ pub(crate) enum Anchor {
 }
 
 impl Canvas {
+    /// An empty figure.
+    ///
+    /// # Errors
+    /// The built-in font cannot be read.
+    pub(crate) fn new(width: u32, height: u32) -> Result<Self> {
+        static REGISTERED: OnceLock<bool> = OnceLock::new();
+        let registered =
+            *REGISTERED.get_or_init(|| register_font("sans-serif", FontStyle::Normal, FONT).is_ok());
+        ensure!(registered, "the built-in font cannot be read");
+        Ok(Self { size: (width, height), shapes: Vec::new() })
+    }
+
+    /// Width and height.
+    pub(crate) fn extent(&self) -> (f64, f64) {
+        (f64::from(self.size.0), f64::from(self.size.1))
+    }
+
+    fn drawn_size(&self) -> (u32, u32) {
+        (self.size.0 * UNIT, self.size.1 * UNIT)
+    }
+
     /// Text of `size` logical pixels, vertically centered at `at`.
     pub(crate) fn text(&mut self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) {
         self.styled_text(text, at, size, anchor, FontTransform::None);

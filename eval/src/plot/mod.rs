@@ -9,10 +9,10 @@ mod error;
 mod precision_recall;
 mod trajectory;
 
-pub use bars::BarFigure;
-pub use canvas::{Canvas, Figure, render, save, save_png, save_svg, svg};
-pub use consistency::ConsistencyFigure;
-pub use drift::{DriftAxis, DriftFigure};
-pub use error::ErrorFigure;
-pub use precision_recall::PrecisionRecallFigure;
-pub use trajectory::{TrajectoryFigure, View};
+pub use bars::bars;
+pub use canvas::{Canvas, render, save, save_png, svg};
+pub use consistency::consistency;
+pub use drift::{DriftAxis, drift};
+pub use error::error;
+pub use precision_recall::precision_recall;
+pub use trajectory::{View, trajectory};

@@ -5,7 +5,7 @@ use geometry::Vec3;
 use plotters::style::RGBColor;
 
 use super::axes::{Axes, Frame, Key, Margin, header, range};
-use super::canvas::{Canvas, Figure, INK, PALETTE};
+use super::canvas::{Canvas, INK, PALETTE};
 
 /// Above this extent (meters) a trajectory is a car's: its map is the x-z plane of the first camera.
 const OUTDOORS_M: f64 = 60.0;
@@ -53,128 +53,103 @@ impl Projection {
     }
 }
 
-/// Drawing of an estimate over its ground truth.
-#[derive(Clone, Debug)]
-pub struct TrajectoryFigure {
-    /// Title above the plot.
-    pub title: String,
-    /// Estimated positions, in the world of the ground truth, meters; `None` leaves a gap (lost frames).
-    pub estimate: Vec<Option<Vec3>>,
-    /// True positions, meters; may be empty.
-    pub ground_truth: Vec<Vec3>,
-    /// Side from which to look.
-    pub view: View,
+/// An estimate over its ground truth: estimated positions in the world of the ground truth, meters, with gaps where frames are lost; true
+/// positions, meters, of which there may be none.
+///
+/// # Errors
+/// No position, or one that is not finite.
+pub fn trajectory(
+    title: &str,
+    estimate: &[Option<Vec3>],
+    ground_truth: &[Vec3],
+    view: View,
+) -> Result<Canvas> {
+    let paths = Paths { estimate, ground_truth };
+    ensure!(paths.all().next().is_some(), "no positions to draw");
+    ensure!(paths.all().all(|p| p.iter().all(|v| v.is_finite())), "a position is not a finite number");
+    let keys = [
+        Key { text: "ground truth", color: INK, width: 5.0 },
+        Key { text: "estimate", color: PALETTE[0], width: 2.5 },
+    ];
+    let shown = if ground_truth.is_empty() { &keys[1..] } else { &keys[..] };
+    let mut canvas = Canvas::new(800, if view == View::Top { 760 } else { 360 })?;
+    let top = header(&mut canvas, title, shown);
+    let frame = Frame::below(top, &canvas);
+    let p = paths.projection();
+    let name = |axis: usize| ["x", "y", "z"][axis];
+    match view {
+        View::Top => {
+            let to_plane = |v: &Vec3| (v[p.right], v[p.up]);
+            let axes = paths.axes(frame, &to_plane);
+            axes.draw(&mut canvas, &format!("{} [m]", name(p.right)), &format!("{} [m]", name(p.up)));
+            paths.draw(&mut canvas, &axes, &to_plane);
+        }
+        View::Side => {
+            // A camera's y axis points down: height is -y.
+            let sign = if p.height == 1 { -1.0 } else { 1.0 };
+            let factor = paths.exaggeration(&p, frame);
+            let to_plane = |v: &Vec3| (v[p.along], sign * factor * v[p.height]);
+            let flat = paths.axes(frame, &to_plane);
+            let axes = Axes { y: (flat.y.0 / factor, flat.y.1 / factor), ..flat };
+            let minus = if sign < 0.0 { "-" } else { "" };
+            let label = match factor {
+                1.0 => format!("{minus}{} [m]", name(p.height)),
+                _ => format!("{minus}{} [m], drawn {factor}x", name(p.height)),
+            };
+            axes.draw(&mut canvas, &format!("{} [m]", name(p.along)), &label);
+            paths.draw(&mut canvas, &axes, &|v: &Vec3| (v[p.along], sign * v[p.height]));
+        }
+    }
+    Ok(canvas)
 }
 
-impl TrajectoryFigure {
-    fn all(&self) -> impl Iterator<Item = &Vec3> {
+#[derive(Clone, Copy)]
+struct Paths<'a> {
+    estimate: &'a [Option<Vec3>],
+    ground_truth: &'a [Vec3],
+}
+
+impl<'a> Paths<'a> {
+    fn all(self) -> impl Iterator<Item = &'a Vec3> {
         self.ground_truth.iter().chain(self.estimate.iter().flatten())
     }
 
     /// Axes of the drawing, chosen by the ground truth (by the estimate where there is none).
-    fn projection(&self) -> Projection {
-        let reference: Vec<Vec3> = if self.ground_truth.is_empty() {
-            self.estimate.iter().flatten().copied().collect()
-        } else {
-            self.ground_truth.clone()
-        };
+    fn projection(self) -> Projection {
+        let n = if self.ground_truth.is_empty() { usize::MAX } else { self.ground_truth.len() };
         let extent = |axis: usize| {
-            let (low, high) = range(reference.iter().map(|p| p[axis]), Margin::Tight);
+            let (low, high) = range(self.all().take(n).map(|p| p[axis]), Margin::Tight);
             high - low
         };
         Projection::of([extent(0), extent(1), extent(2)])
     }
 
-    fn runs(&self, to_plane: impl Fn(&Vec3) -> (f64, f64)) -> Vec<Vec<(f64, f64)>> {
-        let mut runs = vec![Vec::new()];
-        for position in &self.estimate {
-            match (position, runs.last_mut()) {
-                (Some(p), Some(run)) => run.push(to_plane(p)),
-                (None, Some(run)) if !run.is_empty() => runs.push(Vec::new()),
-                _ => {}
-            }
-        }
-        runs
-    }
-}
-
-impl Figure for TrajectoryFigure {
-    fn size(&self) -> (u32, u32) {
-        match self.view {
-            View::Top => (800, 760),
-            View::Side => (800, 360),
-        }
-    }
-
-    fn draw(&self, canvas: &mut Canvas) -> Result<()> {
-        ensure!(self.all().next().is_some(), "no positions to draw");
-        ensure!(self.all().all(|p| p.iter().all(|v| v.is_finite())), "a position is not a finite number");
-        let (width, height) = self.size();
-        let (width, height) = (f64::from(width), f64::from(height));
-        let keys = [
-            Key { text: "ground truth", color: INK, width: 5.0 },
-            Key { text: "estimate", color: PALETTE[0], width: 2.5 },
-        ];
-        let shown = if self.ground_truth.is_empty() { &keys[1..] } else { &keys[..] };
-        let top = header(canvas, width, &self.title, shown);
-        let frame = Frame { left: 90.0, top, width: width - 115.0, height: height - top - 55.0 };
-        let p = self.projection();
-        let name = |axis: usize| ["x", "y", "z"][axis];
-        match self.view {
-            View::Top => {
-                let to_plane = |v: &Vec3| (v[p.right], v[p.up]);
-                let axes = self.axes(frame, &to_plane);
-                axes.draw(canvas, &format!("{} [m]", name(p.right)), &format!("{} [m]", name(p.up)));
-                self.draw_paths(canvas, &axes, &to_plane);
-            }
-            View::Side => {
-                // A camera's y axis points down: height is -y.
-                let sign = if p.height == 1 { -1.0 } else { 1.0 };
-                let factor = self.exaggeration(&p, frame);
-                let to_plane = |v: &Vec3| (v[p.along], sign * factor * v[p.height]);
-                let flat = self.axes(frame, &to_plane);
-                let axes = Axes { y: (flat.y.0 / factor, flat.y.1 / factor), ..flat };
-                let minus = if sign < 0.0 { "-" } else { "" };
-                let label = match factor {
-                    1.0 => format!("{minus}{} [m]", name(p.height)),
-                    _ => format!("{minus}{} [m], drawn {factor}x", name(p.height)),
-                };
-                axes.draw(canvas, &format!("{} [m]", name(p.along)), &label);
-                self.draw_paths(canvas, &axes, &|v: &Vec3| (v[p.along], sign * v[p.height]));
-            }
-        }
-        Ok(())
-    }
-}
-
-impl TrajectoryFigure {
-    fn axes(&self, frame: Frame, to_plane: &impl Fn(&Vec3) -> (f64, f64)) -> Axes {
+    fn axes(self, frame: Frame, to_plane: &impl Fn(&Vec3) -> (f64, f64)) -> Axes {
         let x = range(self.all().map(|v| to_plane(v).0), Margin::Both);
         let y = range(self.all().map(|v| to_plane(v).1), Margin::Both);
         Axes::equal(frame, x, y)
     }
 
     /// Largest exaggeration of height that still lets the whole width decide the scale.
-    fn exaggeration(&self, p: &Projection, frame: Frame) -> f64 {
+    fn exaggeration(self, p: &Projection, frame: Frame) -> f64 {
         let x = range(self.all().map(|v| v[p.along]), Margin::Both);
         let y = range(self.all().map(|v| v[p.height]), Margin::Both);
         let free = (x.1 - x.0) / frame.width * frame.height / (y.1 - y.0);
         EXAGGERATIONS.iter().copied().rfind(|&e| e <= free).unwrap_or(1.0)
     }
 
-    fn draw_paths(&self, canvas: &mut Canvas, axes: &Axes, to_plane: &impl Fn(&Vec3) -> (f64, f64)) {
-        let mut path = |points: Vec<(f64, f64)>, color: RGBColor, width: f64| {
-            let pixels: Vec<(f64, f64)> = points.iter().map(|&(x, y)| axes.at(x, y)).collect();
-            canvas.line(&pixels, color, width);
+    fn draw(self, canvas: &mut Canvas, axes: &Axes, to_plane: &impl Fn(&Vec3) -> (f64, f64)) {
+        let at = |v: &Vec3| {
+            let (x, y) = to_plane(v);
+            axes.at(x, y)
         };
-        path(self.ground_truth.iter().map(to_plane).collect(), INK, 5.0);
-        for run in self.runs(to_plane) {
-            path(run, PALETTE[0], 2.5);
+        canvas.line(&self.ground_truth.iter().map(at).collect::<Vec<_>>(), INK, 5.0);
+        for run in self.estimate.split(Option::is_none).filter(|run| !run.is_empty()) {
+            canvas.line(&run.iter().flatten().map(at).collect::<Vec<_>>(), PALETTE[0], 2.5);
         }
-        if let Some(start) = self.ground_truth.first().or(self.estimate.iter().flatten().next()) {
-            let (x, y) = to_plane(start);
-            canvas.dot(axes.at(x, y), 7.0, INK);
-            canvas.dot(axes.at(x, y), 4.0, RGBColor(255, 255, 255));
+        if let Some(start) = self.all().next() {
+            canvas.dot(at(start), 7.0, INK);
+            canvas.dot(at(start), 4.0, RGBColor(255, 255, 255));
         }
     }
 }

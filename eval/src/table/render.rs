@@ -129,7 +129,6 @@ fn dagger(cell: &Cell) -> &'static str {
 }
 
 /// A text as a cell of a table: in quotes if it holds a comma, a quote or the end of a line (RFC 4180).
-#[must_use]
 pub fn csv_field(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))

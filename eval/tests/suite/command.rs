@@ -4,7 +4,6 @@ use std::path::Path;
 
 use super::support::fixture;
 use clap::{CommandFactory, Parser, Subcommand};
-use dsslam_eval::Host;
 use dsslam_eval::command::EvalCommand;
 
 #[derive(Debug, Parser)]
@@ -15,19 +14,14 @@ struct Program {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    #[command(subcommand)]
     Eval(EvalCommand),
 }
 
 fn run(arguments: &[&str]) -> anyhow::Result<()> {
     let all = ["dsslam", "eval"].iter().chain(arguments);
     let Command::Eval(command) = Program::try_parse_from(all)?.command;
-    let host = Host {
-        settings: &|_, _| anyhow::bail!("no configuration here"),
-        network: &|_, _, _| anyhow::bail!("no network here"),
-        vocabulary: &|_| anyhow::bail!("no vocabulary here"),
-        progress: &|_, _| {},
-    };
-    command.run(&host)
+    command.run()
 }
 
 fn text(path: &Path) -> String {

@@ -25,7 +25,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("crates/runtime", &["geometry", "settings", "features", "bow", "map", "slam", "io", "events"]),
     ("crates/viewer", &["geometry", "draw", "events"]),
     ("crates/synth", &["geometry", "simd", "io"]),
-    ("eval", &["geometry", "features", "dsfeat", "bow", "io", "draw"]),
+    ("eval", &["geometry", "io", "draw"]),
     (
         "crates/dsslam",
         &[

@@ -1,6 +1,7 @@
 //! What is written is read by the crate `mcap`, and by the reader of bags; a file that is cut off anywhere is read as far as it goes.
 
 use std::collections::BTreeMap;
+use std::io::Cursor;
 
 use dsslam_bag::Bag;
 use dsslam_bag::out::{Cloud, CloudPoint, Header, McapWriter, Odometry, Path, Pose, Transform, Transforms};
@@ -21,7 +22,7 @@ fn header(i: usize, frame: &str) -> Header<'_> {
 
 /// Thirty frames of odometry and transforms, and a cloud at the end; flushed after every ten.
 fn file() -> Vec<u8> {
-    let mut writer = McapWriter::new(Vec::new()).unwrap();
+    let mut writer = McapWriter::new(Cursor::new(Vec::new())).unwrap();
     for i in 0..30 {
         let odometry = Odometry {
             header: header(i, "odom"),
@@ -46,7 +47,7 @@ fn file() -> Vec<u8> {
     let path =
         Path { header: header(29, "map"), poses: (0..30).map(|i| (header(i, "").t_ns, pose(i))).collect() };
     writer.write("/path", path.header.t_ns, &path).unwrap();
-    writer.finish().unwrap()
+    writer.finish().unwrap().into_inner()
 }
 
 #[test]
@@ -150,7 +151,7 @@ fn a_chunk_that_has_changed_is_left_out_and_said() {
 
 #[test]
 fn times_that_ros_cannot_hold_are_refused() {
-    let mut writer = McapWriter::new(Vec::new()).unwrap();
+    let mut writer = McapWriter::new(Cursor::new(Vec::new())).unwrap();
     let late = Path { header: Header { t_ns: i64::MAX, frame: "map" }, poses: Vec::new() };
     let error = writer.write("/path", late.header.t_ns, &late).unwrap_err();
     assert_eq!(
@@ -159,7 +160,7 @@ fn times_that_ros_cannot_hold_are_refused() {
     );
     let early = Path { header: Header { t_ns: -1, frame: "map" }, poses: Vec::new() };
     writer.write("/path", early.header.t_ns, &early).unwrap();
-    let file = writer.finish().unwrap();
+    let file = writer.finish().unwrap().into_inner();
     let message = MessageStream::new(&file).unwrap().next().unwrap().unwrap();
     assert_eq!(message.log_time, 0);
     assert_eq!(

@@ -45,7 +45,6 @@ impl Vocabulary {
     ///
     /// Equal to the text that the vocabulary was read from, if that has this order, single spaces and weights of up to six
     /// digits.
-    #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = format!("{} {} 0 0\n", self.branching(), self.levels());
         text.reserve(self.n_nodes() as usize * 130);

@@ -49,19 +49,16 @@ struct Slot {
 
 impl PlaceIndex {
     /// Number of keyframes.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.recent.len() + self.slots.iter().map(|slot| slot.n_alive).sum::<usize>()
     }
 
     /// Whether there is no keyframe.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// The vector of a keyframe.
-    #[must_use]
     pub fn vector(&self, keyframe: u32) -> Option<&Arc<BowVector>> {
         let recent = self.recent.iter().find(|place| place.keyframe == keyframe);
         let sealed = || self.slots.iter().find_map(|slot| Some(&slot.segment.places()[slot.find(keyframe)?]));
@@ -105,7 +102,6 @@ impl PlaceIndex {
     }
 
     /// All keyframes that share a word with `query` and are not excluded: best score first, of equals the lower id.
-    #[must_use]
     pub fn query(&self, query: &BowVector, exclude: impl Fn(u32) -> bool) -> Vec<PlaceMatch> {
         let mut matches = Vec::new();
         for slot in &self.slots {

@@ -1,10 +1,12 @@
-//! Command line of the groups of commands: `dsslam inspect` and `dsslam shell`; and where commands have moved.
+//! Command line of the groups of commands: `dsslam inspect`, `dsslam eval` and `dsslam shell`; and where commands have moved.
 
 use clap::{Args, Subcommand};
+use eval::command::EvalCommand;
 
 use super::{ActivationArgs, VocabArgs};
 use crate::bag::BagArgs;
 use crate::help;
+use crate::places::PlacesArgs;
 use crate::shell::{CompletionsArgs, ManArgs};
 use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
 
@@ -20,23 +22,42 @@ pub(crate) struct InspectArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Inspect {
     /// Draws the keypoints of an image.
-    #[command(after_help = help::with_codes(help::FEATURES))]
+    #[command(after_help = help::with_codes(include_str!("../../help/features.txt")))]
     Features(FeaturesArgs),
     /// Draws the matches of two images, inliers and outliers of one motion.
-    #[command(after_help = help::with_codes(help::MATCHING))]
+    #[command(after_help = help::with_codes(include_str!("../../help/match.txt")))]
     Match(MatchArgs),
     /// Draws the disparities of a stereo frame.
-    #[command(after_help = help::with_codes(help::STEREO))]
+    #[command(after_help = help::with_codes(include_str!("../../help/stereo.txt")))]
     Stereo(StereoArgs),
     /// Draws the activation of an image as a heat map, with the features that a selection keeps and drops.
-    #[command(after_help = help::with_codes(help::ACTIVATION))]
+    #[command(after_help = help::with_codes(include_str!("../../help/activation.txt")))]
     Activation(ActivationArgs),
     /// Lists the topics of a bag (rosbag2, MCAP, ROS 1) and what a run takes of it.
-    #[command(after_help = help::with_codes(help::BAG))]
+    #[command(after_help = help::with_codes(include_str!("../../help/bag.txt")))]
     Bag(BagArgs),
     /// Trains, describes and converts vocabularies for place recognition.
-    #[command(after_help = help::with_codes(help::VOCAB))]
+    #[command(after_help = help::with_codes(include_str!("../../help/vocab.txt")))]
     Vocab(VocabArgs),
+}
+
+/// Arguments of `dsslam eval`.
+#[derive(Debug, Args)]
+pub(crate) struct EvalArgs {
+    /// What to evaluate.
+    #[command(subcommand)]
+    pub(crate) what: Eval,
+}
+
+/// What `dsslam eval` does.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Eval {
+    /// With files of trajectories, loops and results.
+    #[command(flatten)]
+    Of(EvalCommand),
+    /// Recognizes places in a sequence with three selections of features: precision-recall curves and their areas.
+    #[command(after_help = include_str!("../../help/places.txt"))]
+    Places(PlacesArgs),
 }
 
 /// Arguments of `dsslam shell`.
@@ -51,10 +72,10 @@ pub(crate) struct ShellArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum ShellCommand {
     /// Prints shell completions.
-    #[command(after_help = help::with_codes(help::COMPLETIONS))]
+    #[command(after_help = help::with_codes(include_str!("../../help/completions.txt")))]
     Completions(CompletionsArgs),
     /// Prints the manual page, or writes the pages of all commands into a folder.
-    #[command(after_help = help::with_codes(help::MAN))]
+    #[command(after_help = help::with_codes(include_str!("../../help/man.txt")))]
     Man(ManArgs),
 }
 

@@ -17,7 +17,7 @@ use crate::doctor::DoctorArgs;
 use crate::export::ExportArgs;
 use crate::help;
 
-pub(crate) use inspect::{Inspect, InspectArgs, ShellArgs, ShellCommand, moved};
+pub(crate) use inspect::{Eval, EvalArgs, Inspect, InspectArgs, ShellArgs, ShellCommand, moved};
 pub(crate) use network::{ActivationArgs, NetworkArgs};
 pub(crate) use render::{DemoArgs, LayoutArg, SynthArgs, WorldArgs};
 pub(crate) use run::{RunArgs, ScheduleArg};
@@ -29,7 +29,7 @@ pub(crate) use vocab::{VocabAction, VocabArgs, VocabTrainArgs};
 ///
 /// Estimates the path of a camera (stereo, RGB-D or a single one) and a map of what it saw.
 #[derive(Debug, Parser)]
-#[command(name = "dsslam", version, arg_required_else_help = true, after_help = help::with_codes(help::TOP), max_term_width = 110)]
+#[command(name = "dsslam", version, arg_required_else_help = true, after_help = help::with_codes(include_str!("../../help/dsslam.txt")), max_term_width = 110)]
 pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -43,37 +43,37 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Runs SLAM on a sequence of images.
-    #[command(after_help = help::with_codes(help::RUN))]
+    #[command(after_help = help::with_codes(include_str!("../../help/run.txt")))]
     Run(Box<RunArgs>),
     /// Renders a street course, runs SLAM on it, prints the errors and draws the trajectory. Needs no data.
-    #[command(after_help = help::with_codes(help::DEMO))]
+    #[command(after_help = help::with_codes(include_str!("../../help/demo.txt")))]
     Demo(DemoArgs),
     /// Renders a street course with exact ground truth as a dataset in KITTI's or EuRoC's layout.
-    #[command(after_help = help::with_codes(help::SYNTH))]
+    #[command(after_help = help::with_codes(include_str!("../../help/synth.txt")))]
     Synth(SynthArgs),
     /// Shows a finished run in the Rerun viewer: trajectory, ground truth, errors, times; everything if events.dslog was written.
-    #[command(after_help = help::with_codes(help::VIEW))]
+    #[command(after_help = help::with_codes(include_str!("../../help/view.txt")))]
     View(ViewArgs),
     /// Evaluates trajectories and place recognition against ground truth, as tables and plots.
-    #[command(after_help = help::with_codes(help::EVAL))]
-    Eval(eval::command::EvalCommand),
+    #[command(after_help = help::with_codes(include_str!("../../help/eval.txt")))]
+    Eval(EvalArgs),
     /// Prints the default configuration, checks and explains one, or shows what a calibration file says.
-    #[command(after_help = help::with_codes(help::CONFIG))]
+    #[command(after_help = help::with_codes(include_str!("../../help/config.txt")))]
     Config(ConfigArgs),
     /// Converts a map for other programs: point clouds, COLMAP and nerfstudio models, keyframe trajectories.
-    #[command(after_help = help::with_codes(help::EXPORT))]
+    #[command(after_help = help::with_codes(include_str!("../../help/export.txt")))]
     Export(ExportArgs),
     /// Looks at single stages: features, matches, disparities, activation; trains and converts vocabularies.
-    #[command(after_help = help::with_codes(help::INSPECT))]
+    #[command(after_help = help::with_codes(include_str!("../../help/inspect.txt")))]
     Inspect(InspectArgs),
     /// Lists the topics of a bag: the same as `dsslam inspect bag`.
     #[command(hide = true)]
     Bag(BagCommand),
     /// Lists what this machine has, what it lacks, and how to install it.
-    #[command(after_help = help::with_codes(help::DOCTOR))]
+    #[command(after_help = help::with_codes(include_str!("../../help/doctor.txt")))]
     Doctor(DoctorArgs),
     /// Prints completions and manual pages.
-    #[command(after_help = help::with_codes(help::SHELL))]
+    #[command(after_help = help::with_codes(include_str!("../../help/shell.txt")))]
     Shell(ShellArgs),
 }
 

@@ -128,7 +128,6 @@ impl Config {
     }
 
     /// All keys in the order of [`SCHEMA`], with the values in force.
-    #[must_use]
     pub fn explain(&self) -> Vec<Explained<'_>> {
         io::explain(&SCHEMA, self, &self.origins)
     }

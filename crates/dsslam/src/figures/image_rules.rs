@@ -2,10 +2,10 @@
 
 use geometry::Sensor;
 
-use super::Doubt;
 use super::facts::Facts;
 use super::lines::{short, spread_m};
 use super::sight::{Look, Pairing};
+use super::{Doubt, doubt};
 
 /// Brightness below which an image is dark; streets at night have 20 and more.
 const DARK: f64 = 10.0;
@@ -46,10 +46,6 @@ pub(super) fn doubts(facts: &Facts) -> Vec<Doubt> {
         found.extend(pairing(&pairings));
     }
     found
-}
-
-fn doubt(rule: &'static str, text: String) -> Option<Doubt> {
-    Some(Doubt { rule, text })
 }
 
 /// More than half of the frames looked at are dark or without corners.

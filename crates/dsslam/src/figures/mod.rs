@@ -42,6 +42,10 @@ pub struct Doubt {
     pub text: String,
 }
 
+fn doubt(rule: &'static str, text: String) -> Option<Doubt> {
+    Some(Doubt { rule, text })
+}
+
 impl Figures {
     /// Gathers the figures of a session. Reads a few of its frames, spread over its length, unless they come as a stream.
     pub(crate) fn of(session: &Session) -> Self {

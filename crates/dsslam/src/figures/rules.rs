@@ -3,9 +3,9 @@
 use features::Rig;
 use geometry::{Sensor, Vec2};
 
-use super::Doubt;
 use super::facts::{Camera, Facts, Lens, Times};
 use super::lines::{field_of_view_deg, short};
+use super::{Doubt, doubt};
 
 /// Field of view across the longer side, degrees: beyond a long lens, and beyond what a pinhole model holds for.
 const FIELD_OF_VIEW_DEG: [f64; 2] = [20.0, 140.0];
@@ -41,10 +41,6 @@ pub(super) fn doubts(facts: &Facts) -> Vec<Doubt> {
     }
     found.extend(facts.map_rig.as_ref().and_then(|map| other_camera(map, &facts.rig, facts.sensor)));
     found
-}
-
-fn doubt(rule: &'static str, text: String) -> Option<Doubt> {
-    Some(Doubt { rule, text })
 }
 
 fn of_camera(camera: &Camera, name: &str) -> Vec<Doubt> {

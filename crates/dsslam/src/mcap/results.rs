@@ -95,14 +95,10 @@ pub(crate) fn final_frames(
 
 /// A point of a map as one of the cloud, along the axes of the camera.
 pub fn cloud_point(map: &Map, point: &MapPoint, color: [u8; 3]) -> CloudPoint {
-    let of = |keyframe: KeyframeId, feature: u32| {
-        map.keyframe(keyframe).map_or(1.0, |keyframe| keyframe.frame.activation[feature as usize])
-    };
-    let sum: f32 = point.observations().iter().map(|seen| of(seen.keyframe, seen.feature)).sum();
     CloudPoint {
         position: point.position,
         color,
-        activation: sum / point.n_observations().max(1) as f32,
+        activation: map.activation(point),
         trust: point.trust() as f32,
         observations: u32::try_from(point.n_observations()).unwrap_or(u32::MAX),
     }

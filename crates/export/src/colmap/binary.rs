@@ -14,7 +14,6 @@ const NO_POINT: u64 = u64::MAX;
 ///
 /// # Panics
 /// When the number of colors is not that of the points.
-#[must_use]
 pub fn colmap_binary(scene: &Scene, colors: &[Color]) -> ColmapFiles {
     ColmapFiles { cameras: cameras(scene), images: images(scene), points: points(scene, colors) }
 }

@@ -11,7 +11,6 @@ use crate::scene::Scene;
 ///
 /// # Panics
 /// When the number of colors is not that of the points.
-#[must_use]
 pub fn colmap_text(scene: &Scene, colors: &[Color]) -> ColmapFiles {
     let [cameras, images, points] =
         [cameras(scene), images(scene), points(scene, colors)].map(String::into_bytes);

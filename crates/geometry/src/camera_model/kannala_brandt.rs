@@ -25,7 +25,6 @@ impl KannalaBrandt {
     /// The pixel of a point in camera coordinates, which may lie beside or behind the camera.
     ///
     /// Meaningful up to [`KannalaBrandt::max_angle`] from the axis (no test here, for speed).
-    #[must_use]
     pub fn project(&self, point_cam: &Vec3) -> Vec2 {
         let across = point_cam.xy().norm();
         let angle = across.atan2(point_cam.z);
@@ -36,7 +35,6 @@ impl KannalaBrandt {
     }
 
     /// The derivative of [`KannalaBrandt::project`] by the point: 2 by 3, pixels per meter.
-    #[must_use]
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
         let across = point_cam.xy().norm();
         let angle = across.atan2(point_cam.z);
@@ -63,7 +61,6 @@ impl KannalaBrandt {
     /// The ray of a pixel in camera coordinates, of length one, by Newton's method with step halving.
     ///
     /// Beyond the radius of [`KannalaBrandt::max_angle`] there is no ray; then the nearest angle reached is taken.
-    #[must_use]
     pub fn unproject(&self, pixel: &Vec2) -> Vec3 {
         let Pinhole { fx, fy, cx, cy } = self.camera;
         let across = Vec2::new((pixel.x - cx) / fx, (pixel.y - cy) / fy);
@@ -77,7 +74,6 @@ impl KannalaBrandt {
     }
 
     /// The angle from the axis in radians up to which the projection is one to one, at most pi.
-    #[must_use]
     pub fn max_angle(&self) -> f64 {
         let derivative = [1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3, 9.0 * self.k4];
         first_sign_change(&derivative, PI * PI).map_or(PI, f64::sqrt)

@@ -32,7 +32,6 @@ impl CameraModel {
     /// The raw pixel of a point in camera coordinates.
     ///
     /// Meaningful up to [`CameraModel::max_angle`] from the axis only (no test here, for speed).
-    #[must_use]
     pub fn project(&self, point_cam: &Vec3) -> Vec2 {
         match self {
             Self::Pinhole { camera, distortion } => {
@@ -46,7 +45,6 @@ impl CameraModel {
     }
 
     /// The derivative of [`CameraModel::project`] by the point: 2 by 3, pixels per meter.
-    #[must_use]
     pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
         match self {
             Self::Pinhole { camera, distortion } => {
@@ -60,7 +58,6 @@ impl CameraModel {
     }
 
     /// The ray of a raw pixel in camera coordinates, of length one; the inverse of [`CameraModel::project`].
-    #[must_use]
     pub fn unproject(&self, pixel: &Vec2) -> Vec3 {
         match self {
             Self::Pinhole { camera, distortion } => {
@@ -74,7 +71,6 @@ impl CameraModel {
     /// The angle from the axis in radians up to which the projection is one to one: beyond it, a lens model folds its image back.
     ///
     /// A pinhole sees less than a quarter turn; its tangential terms are ignored.
-    #[must_use]
     pub fn max_angle(&self) -> f64 {
         match self {
             Self::Pinhole { distortion, .. } => distortion.max_radius().atan(),
@@ -100,7 +96,6 @@ impl CameraModel {
     }
 
     /// Focal lengths and principal point.
-    #[must_use]
     pub fn pinhole(&self) -> &Pinhole {
         match self {
             Self::Pinhole { camera, .. } => camera,

@@ -19,41 +19,21 @@ pub struct Rational {
 
 impl Rational {
     /// The distorted place of an ideal normalized point.
-    #[must_use]
     pub fn distort(&self, ideal: &Vec2) -> Vec2 {
-        let Distortion { p1, p2, .. } = self.upper;
-        let (x, y) = (ideal.x, ideal.y);
-        let r_sq = x * x + y * y;
-        let radial = self.factor(r_sq).0;
-        Vec2::new(
-            x * radial + 2.0 * p1 * x * y + p2 * (r_sq + 2.0 * x * x),
-            y * radial + p1 * (r_sq + 2.0 * y * y) + 2.0 * p2 * x * y,
-        )
+        self.upper.bend(ideal, self.factor(ideal.norm_squared()).0)
     }
 
     /// The derivative of [`Rational::distort`] by the ideal point (a symmetric 2 by 2 matrix).
-    #[must_use]
     pub fn distort_jacobian(&self, ideal: &Vec2) -> Mat2 {
-        let Distortion { p1, p2, .. } = self.upper;
-        let (x, y) = (ideal.x, ideal.y);
-        let (radial, slope) = self.factor(x * x + y * y);
-        let mixed = 2.0 * slope * x * y + 2.0 * (p1 * x + p2 * y);
-        Mat2::new(
-            radial + 2.0 * slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x,
-            mixed,
-            mixed,
-            radial + 2.0 * slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x,
-        )
+        self.upper.bend_jacobian(ideal, self.factor(ideal.norm_squared()))
     }
 
     /// The ideal normalized point of a distorted one; beyond [`Rational::max_radius`] the closest point reached.
-    #[must_use]
     pub fn undistort(&self, distorted: &Vec2) -> Vec2 {
         invert(distorted, |ideal| self.distort(ideal), |ideal| self.distort_jacobian(ideal))
     }
 
     /// The radius of ideal normalized points up to which the radial part grows; at most 1000.
-    #[must_use]
     pub fn max_radius(&self) -> f64 {
         const END: f64 = 1000.0;
         let (n, d) = self.polynomials();

@@ -21,7 +21,6 @@ impl<'a> FundamentalEstimator<'a> {
     ///
     /// # Panics
     /// When the lengths differ.
-    #[must_use]
     pub fn new(pixels_a: &'a [Vec2], pixels_b: &'a [Vec2], threshold_sq: f64) -> Self {
         assert_eq!(pixels_a.len(), pixels_b.len(), "pixels come in pairs");
         Self { pixels_a, pixels_b, threshold_sq }

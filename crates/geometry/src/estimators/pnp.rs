@@ -27,7 +27,6 @@ impl<'a> PnpEstimator<'a> {
     ///
     /// # Panics
     /// When the three lengths differ.
-    #[must_use]
     pub fn new(
         camera: Pinhole,
         pixels: &'a [Vec2],

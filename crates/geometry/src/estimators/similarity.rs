@@ -47,7 +47,6 @@ impl<'a> SimilarityEstimator<'a> {
     ///
     /// # Panics
     /// When the lengths differ.
-    #[must_use]
     pub fn new(a: SightedPoints<'a>, b: SightedPoints<'a>, with_scale: bool) -> Self {
         let n = a.points_cam.len();
         let lengths = [

@@ -26,7 +26,6 @@ pub struct PlanarMotion {
 /// with normal and translation reversed.
 ///
 /// At most two have points in front of both cameras. `None` when the camera turned only, as no plane can be told then.
-#[must_use]
 pub fn decompose_homography(
     homography: &Homography,
     camera_a: &Pinhole,

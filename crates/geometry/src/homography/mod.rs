@@ -28,7 +28,6 @@ pub struct Homography {
 
 impl Homography {
     /// The homography of this matrix, up to scale; `None` when it is singular or not finite.
-    #[must_use]
     pub fn new(b_from_a: &Mat3) -> Option<Self> {
         let norm = b_from_a.norm();
         let scaled = b_from_a / norm;
@@ -41,7 +40,6 @@ impl Homography {
     }
 
     /// The matrix that maps homogeneous pixels of image a to those of image b.
-    #[must_use]
     pub fn matrix(&self) -> &Mat3 {
         &self.b_from_a
     }
@@ -53,13 +51,11 @@ impl Homography {
     }
 
     /// The pixel of image b that shows what `pixel_a` shows; `None` when that is behind camera b.
-    #[must_use]
     pub fn transfer(&self, pixel_a: &Vec2) -> Option<Vec2> {
         mapped(&self.b_from_a, pixel_a)
     }
 
     /// Squared distances in square pixels: of `pixel_b` from the transferred `pixel_a`, and the other way round.
-    #[must_use]
     pub fn transfer_errors_sq(&self, pixel_a: &Vec2, pixel_b: &Vec2) -> [f64; 2] {
         let error_sq = |matrix: &Mat3, from: &Vec2, to: &Vec2| {
             mapped(matrix, from).map_or(f64::INFINITY, |place| (place - to).norm_squared())
@@ -79,7 +75,6 @@ fn mapped(matrix: &Mat3, pixel: &Vec2) -> Option<Vec2> {
 ///
 /// `None` when three of four lie on a line, or when no camera in front of a plane sees the points like that (the map would turn
 /// some of them over).
-#[must_use]
 pub fn homography_of_four(pixels_a: &[Vec2; 4], pixels_b: &[Vec2; 4]) -> Option<Homography> {
     let ((basis_a, weights_a), (basis_b, weights_b)) = (basis(pixels_a)?, basis(pixels_b)?);
     let ratios = weights_b.component_div(&weights_a);
@@ -105,7 +100,6 @@ fn basis(pixels: &[Vec2; 4]) -> Option<(Mat3, Vec3)> {
 /// 4.2); weights default to one.
 ///
 /// `None` when lengths differ, fewer than four pairs are given, or the pairs leave it open (three of four on a line).
-#[must_use]
 pub fn estimate_homography(
     pixels_a: &[Vec2],
     pixels_b: &[Vec2],

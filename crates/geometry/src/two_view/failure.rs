@@ -1,12 +1,12 @@
 //! Why two views are not reconstructed, as values with numbers.
 
 use super::TwoViewModel;
-use std::fmt;
 
 /// Why two views give no map; a later second view may.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TwoViewFailure {
     /// Too few matches with a weight.
+    #[error("too few matches between the two views: {found} of {needed}")]
     TooFewMatches {
         /// Matches there are.
         found: usize,
@@ -14,11 +14,13 @@ pub enum TwoViewFailure {
         needed: usize,
     },
     /// Neither a homography nor a fundamental matrix explains the matches.
+    #[error("neither a homography nor a fundamental matrix explains the {n_matches} matches")]
     NoModel {
         /// Matches that were tried.
         n_matches: usize,
     },
     /// Too few matches agree with the best motion.
+    #[error("too few matches agree with the motion: {found} of {needed} ({model}, {n_inliers} inliers)")]
     TooFewPoints {
         /// The model it came from.
         model: TwoViewModel,
@@ -30,6 +32,7 @@ pub enum TwoViewFailure {
         n_inliers: usize,
     },
     /// The camera moved too little for what it sees.
+    #[error("too little parallax: {found_deg:.2} of {needed_deg:.2} degrees ({model})")]
     TooLittleParallax {
         /// The model it came from.
         model: TwoViewModel,
@@ -39,6 +42,11 @@ pub enum TwoViewFailure {
         needed_deg: f64,
     },
     /// Two different motions explain the matches.
+    #[error(
+        "two motions explain the views: the second {:.0} % as well as the first, at most {:.0} % allowed ({model})",
+        100.0 * share,
+        100.0 * max_share
+    )]
     Ambiguous {
         /// The model they came from.
         model: TwoViewModel,
@@ -48,6 +56,9 @@ pub enum TwoViewFailure {
         max_share: f64,
     },
     /// The matches leave the direction of the move uncertain.
+    #[error(
+        "the direction of the move is uncertain: by {found_deg:.1} degrees, at most {max_deg:.1} allowed ({model})"
+    )]
     Uncertain {
         /// The model it came from.
         model: TwoViewModel,
@@ -58,39 +69,8 @@ pub enum TwoViewFailure {
     },
 }
 
-impl fmt::Display for TwoViewFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooFewMatches { found, needed } => {
-                write!(f, "too few matches between the two views: {found} of {needed}")
-            }
-            Self::NoModel { n_matches } => {
-                write!(f, "neither a homography nor a fundamental matrix explains the {n_matches} matches")
-            }
-            Self::TooFewPoints { model, found, needed, n_inliers } => write!(
-                f,
-                "too few matches agree with the motion: {found} of {needed} ({model}, {n_inliers} inliers)"
-            ),
-            Self::TooLittleParallax { model, found_deg, needed_deg } => {
-                write!(f, "too little parallax: {found_deg:.2} of {needed_deg:.2} degrees ({model})")
-            }
-            Self::Ambiguous { model, share, max_share } => write!(
-                f,
-                "two motions explain the views: the second {:.0} % as well as the first, at most {:.0} % allowed ({model})",
-                100.0 * share,
-                100.0 * max_share
-            ),
-            Self::Uncertain { model, found_deg, max_deg } => write!(
-                f,
-                "the direction of the move is uncertain: by {found_deg:.1} degrees, at most {max_deg:.1} allowed ({model})"
-            ),
-        }
-    }
-}
-
 impl TwoViewFailure {
     /// The failure in a few words without numbers, the same for every pair of views that fails so.
-    #[must_use]
     pub fn cause(&self) -> &'static str {
         match self {
             Self::TooFewMatches { .. } => "too few matches between two views",
@@ -102,5 +82,3 @@ impl TwoViewFailure {
         }
     }
 }
-
-impl std::error::Error for TwoViewFailure {}

@@ -19,7 +19,6 @@ pub struct Explained<'a> {
 }
 
 /// These keys, in their order, with the values in force.
-#[must_use]
 pub fn explain<'a>(keys: &'a [Entry], config: &impl Serialize, origins: &'a Origins) -> Vec<Explained<'a>> {
     let tree = serde_json::to_value(config).unwrap_or(Json::Null);
     let explained = |entry: &'a Entry| {

@@ -36,6 +36,7 @@ pub struct Problem {
 
 /// Everything that is wrong with a configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", .0.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct ConfigErrors(pub Vec<Problem>);
 
 impl Problem {
@@ -65,15 +66,5 @@ impl fmt::Display for Problem {
         } else {
             write!(f, "{}: {}: {}", self.place, self.key, self.message)
         }
-    }
-}
-
-impl fmt::Display for ConfigErrors {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (position, problem) in self.0.iter().enumerate() {
-            let separator = if position == 0 { "" } else { "\n" };
-            write!(f, "{separator}{problem}")?;
-        }
-        Ok(())
     }
 }

@@ -3,7 +3,6 @@
 /// One-to-one association of two increasing lists of times, as TUM's tool does it: all pairs nearer than the tolerance,
 /// smallest difference first (ties by the first time, then the second), each time used once. Returns for each time of
 /// `first` the position in `second`.
-#[must_use]
 pub fn associate(first: &[f64], second: &[f64], tolerance_s: f64) -> Vec<Option<usize>> {
     let mut candidates = Vec::new();
     for (a, &time) in first.iter().enumerate() {

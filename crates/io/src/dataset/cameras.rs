@@ -52,13 +52,8 @@ impl Cameras {
     ) -> Result<Self, DatasetError> {
         let source = origin.left.display().to_string();
         if left.size != right.size {
-            return Err(DatasetError::Field {
-                path: origin.right.to_path_buf(),
-                line: String::new(),
-                field: origin.size_field.to_string(),
-                found: right.size.to_string(),
-                expected: format!("{} as in {source}", left.size),
-            });
+            let (found, expected) = (right.size.to_string(), format!("{} as in {source}", left.size));
+            return Err(DatasetError::in_field(origin.right, origin.size_field, found, expected));
         }
         if let Some(rig) = rectified_already(&left, &right) {
             return Ok(Self {

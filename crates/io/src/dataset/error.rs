@@ -12,24 +12,12 @@ use crate::images::ImageError;
 /// Why a dataset cannot be opened.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DatasetError {
-    /// The folder does not exist.
-    #[error("{}: no such folder", path.display())]
-    MissingFolder {
-        /// The folder asked for.
-        path: PathBuf,
-    },
-    /// There is something under this name, but no folder.
-    #[error("{}: not a folder", path.display())]
+    /// What lies there is no folder with images: nothing, a file, or whole recordings in a form that is not read.
+    #[error("{}: {what}", path.display())]
     NotAFolder {
         /// The path asked for.
         path: PathBuf,
-    },
-    /// A file that holds whole recordings in a form that is not read.
-    #[error("{}: {what}", path.display())]
-    Container {
-        /// The file.
-        path: PathBuf,
-        /// What it is, and what can be done.
+        /// What is wrong, and what can be done.
         what: &'static str,
     },
     /// The folder has none of the known layouts.
@@ -46,16 +34,6 @@ pub enum DatasetError {
         /// What lies in it.
         found: String,
     },
-    /// A calibration file has none of the known formats.
-    #[error("{}: found {found}, expected one of these calibrations: {expected}", path.display())]
-    UnknownCalibration {
-        /// The file.
-        path: PathBuf,
-        /// What stands in it.
-        found: String,
-        /// The formats that are read.
-        expected: String,
-    },
     /// The folder does not hold what the chosen sensor needs.
     #[error("{}: sensor {sensor} is not possible here: {reason}", path.display())]
     SensorUnavailable {
@@ -65,42 +43,6 @@ pub enum DatasetError {
         sensor: Sensor,
         /// What is missing.
         reason: String,
-    },
-    /// The folder lists no frame at all.
-    #[error("{}: found no image, expected {expected}", path.display())]
-    NoImages {
-        /// The folder.
-        path: PathBuf,
-        /// Where images should be.
-        expected: String,
-    },
-    /// A camera's line is missing in `calib.txt`.
-    #[error("{}: found no line `{camera}:`, expected 12 numbers (projection matrix, row by row)", path.display())]
-    MissingCamera {
-        /// The calibration file.
-        path: PathBuf,
-        /// `P0` to `P3`.
-        camera: String,
-    },
-    /// No two images of a stereo rig were taken at the same time.
-    #[error("{}: found {found}, expected one within {tolerance_ms} ms", path.display())]
-    NoPairs {
-        /// The list of the right images.
-        path: PathBuf,
-        /// What the lists hold.
-        found: String,
-        /// Largest time between the images of a pair, milliseconds.
-        tolerance_ms: f64,
-    },
-    /// A list of times does not fit the images.
-    #[error("{}: found {found}, expected {n_images} (one per image)", path.display())]
-    TimesOfImages {
-        /// The list.
-        path: PathBuf,
-        /// How many there are.
-        found: String,
-        /// Number of images.
-        n_images: usize,
     },
     /// A calibration file is not what it looks like.
     #[error("{}:{line}: invalid {format}: {message}", path.display())]
@@ -114,18 +56,16 @@ pub enum DatasetError {
         /// The parser's message.
         message: String,
     },
-    /// A field of a calibration file is missing or wrong.
-    #[error("{}{line}: {field}: found {found}, expected {expected}", path.display())]
-    Field {
-        /// The calibration file.
+    /// Something is missing or wrong: images, times, pairs, or a field of a calibration file.
+    #[error("{}{place}: found {found}, expected {expected}", path.display())]
+    Unexpected {
+        /// The file or folder.
         path: PathBuf,
-        /// A colon and the line number, from 1; empty for a missing field.
-        line: String,
-        /// The field.
-        field: String,
-        /// What stands there.
+        /// The place in it, such as `:12: resolution`; empty for the whole.
+        place: String,
+        /// What is there.
         found: String,
-        /// What should stand there.
+        /// What should be there.
         expected: String,
     },
     /// The cameras of a calibration cannot be rectified.
@@ -150,6 +90,22 @@ impl DatasetError {
     /// A sensor that is not possible with what lies at `path`.
     pub fn unavailable(path: &Path, sensor: Sensor, reason: impl Into<String>) -> Self {
         Self::SensorUnavailable { path: path.to_path_buf(), sensor, reason: reason.into() }
+    }
+
+    /// Something else at `path` than what is needed.
+    pub(crate) fn unexpected(path: &Path, found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::in_field(path, "", found, expected)
+    }
+
+    /// The same for a field of the file.
+    pub(crate) fn in_field(
+        path: &Path,
+        field: &str,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        let place = if field.is_empty() { String::new() } else { format!(": {field}") };
+        Self::Unexpected { path: path.to_path_buf(), place, found: found.into(), expected: expected.into() }
     }
 
     /// The parser's error for this file.

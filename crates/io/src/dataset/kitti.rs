@@ -12,8 +12,8 @@ use super::given::{Given, Own};
 use super::layout::SequenceKind;
 use super::numbered::NumberedImages;
 use super::{
-    DatasetError, FrameSource, OpenOptions, RawCamera, Sensor, Sequence, Times, folder_name, oxts, stamps,
-    truth,
+    DatasetError, FrameSource, OpenOptions, RawCamera, Sensor, Sequence, Times, folder_name, monocular, oxts,
+    stamps, truth,
 };
 use crate::file::{FileError, counted};
 use crate::images::image_size;
@@ -192,21 +192,16 @@ fn choose_images(
     let Some(mono) = listed.iter().position(|images| !images.left.is_empty()) else {
         let folders: Vec<&str> = variant.pairs.iter().map(|pair| pair.folders[0]).collect();
         let expected = format!("images such as 000000.png in {}", folders.join(" or "));
-        return Err(DatasetError::NoImages { path: root.clone(), expected });
+        return Err(DatasetError::unexpected(root, "no image", expected));
     };
     let images = Images { sensor: Sensor::Mono, ..listed.swap_remove(mono) };
     let right_folder = images.pair.folders[1];
-    match wanted {
-        Some(Sensor::Stereo) => {
-            Err(DatasetError::unavailable(root, Sensor::Stereo, format!("found no image in {right_folder}")))
-        }
-        None => {
-            let folder = root.join(right_folder);
-            warnings.push(format!("{}: found no image, so the run is monocular", folder.display()));
-            Ok(images)
-        }
-        _ => Ok(images),
+    if wanted == Some(Sensor::Stereo) {
+        let reason = format!("found no image in {right_folder}");
+        return Err(DatasetError::unavailable(root, Sensor::Stereo, reason));
     }
+    warnings.extend(monocular(&root.join(right_folder), wanted, Sensor::Mono, "found no image"));
+    Ok(images)
 }
 
 /// How many frames there are: up to the last image (pair), at most as many as times.

@@ -257,11 +257,36 @@ pub fn open_sequence_with(dir: &Path, options: &OpenOptions) -> Result<Sequence,
     Ok(Sequence { warnings, ..sequence })
 }
 
+/// The sensor asked for, or the richest that is possible. `no_right` and `no_depth` say why there are no right or depth images, `None`
+/// where there are.
+fn choose_sensor(
+    place: &Path,
+    wanted: Option<Sensor>,
+    no_right: Option<String>,
+    no_depth: Option<String>,
+) -> Result<Sensor, DatasetError> {
+    match (wanted, no_right, no_depth) {
+        (Some(sensor @ Sensor::Stereo), Some(reason), _) | (Some(sensor @ Sensor::Rgbd), _, Some(reason)) => {
+            Err(DatasetError::unavailable(place, sensor, reason))
+        }
+        (Some(sensor), ..) => Ok(sensor),
+        (None, None, _) => Ok(Sensor::Stereo),
+        (None, Some(_), None) => Ok(Sensor::Rgbd),
+        (None, Some(_), Some(_)) => Ok(Sensor::Mono),
+    }
+}
+
+/// What is said of a sequence that is monocular for want of a file or folder.
+fn monocular(path: &Path, wanted: Option<Sensor>, sensor: Sensor, what: &str) -> Option<String> {
+    let is_poorer = wanted.is_none() && sensor == Sensor::Mono;
+    is_poorer.then(|| format!("{}: {what}, so the run is monocular", path.display()))
+}
+
 /// Whether there is a folder that may be read.
 fn check_folder(dir: &Path) -> Result<(), DatasetError> {
     let path = dir.to_path_buf();
     if let Some(what) = layout::container(dir) {
-        return Err(DatasetError::Container { path, what });
+        return Err(DatasetError::NotAFolder { path, what });
     }
     let unreadable = |reason: std::io::Error| FileError::Unreadable {
         path: dir.to_path_buf(),
@@ -270,7 +295,7 @@ fn check_folder(dir: &Path) -> Result<(), DatasetError> {
     match std::fs::metadata(dir) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(missing(path)),
         Err(error) => Err(unreadable(error).into()),
-        Ok(data) if !data.is_dir() => Err(DatasetError::NotAFolder { path }),
+        Ok(data) if !data.is_dir() => Err(DatasetError::NotAFolder { path, what: "not a folder" }),
         Ok(_) => std::fs::read_dir(dir).map(|_| ()).map_err(|error| unreadable(error).into()),
     }
 }
@@ -278,7 +303,7 @@ fn check_folder(dir: &Path) -> Result<(), DatasetError> {
 /// The error of a path where nothing is: a file, if its name ends as one.
 fn missing(path: PathBuf) -> DatasetError {
     if path.extension().is_none() {
-        return DatasetError::MissingFolder { path };
+        return DatasetError::NotAFolder { path, what: "no such folder" };
     }
     let expected = "a folder of images, a video or a bag".to_owned();
     FileError::Missing { path, expected }.into()

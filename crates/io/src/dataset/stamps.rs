@@ -1,6 +1,7 @@
 //! Times of frames in whole nanoseconds: read from numbers, dates and file names, and checked.
 
 use std::path::Path;
+use std::time::SystemTime;
 
 use super::FrameSource;
 use crate::file::{FileError, Line, TextFile, counted, shown};
@@ -40,21 +41,8 @@ pub fn nanoseconds_of(text: &str) -> Option<i64> {
 
 /// A date with a time of day (`2011-09-26 13:02:25.964389445`), in nanoseconds since 1970.
 fn parse_date(text: &str) -> Option<i64> {
-    let (date, time) = text.split_once([' ', 'T'])?;
-    let mut numbers = date.splitn(3, '-').map(|part| part.parse::<i64>().ok());
-    let (year, month, day) = (numbers.next()??, numbers.next()??, numbers.next()??);
-    let mut parts = time.trim().trim_end_matches('Z').splitn(3, ':');
-    let (hours, minutes): (i64, i64) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
-    let rest = nanoseconds_of(parts.next()?)?;
-    let is_date = (1970..2200).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
-    let is_time = (0..24).contains(&hours) && (0..60).contains(&minutes) && (0..61 * SECOND).contains(&rest);
-    if !(is_date && is_time) {
-        return None;
-    }
-    // Days since 1970 in the Gregorian calendar, whose year is taken to begin in March.
-    let (y, m) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
-    let days = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1 - 719_468;
-    Some(((days * 24 + hours) * 60 + minutes) * 60 * SECOND + rest)
+    let date = humantime::parse_rfc3339_weak(text).ok()?;
+    i64::try_from(date.duration_since(SystemTime::UNIX_EPOCH).ok()?.as_nanos()).ok()
 }
 
 /// The time in a file name: whole nanoseconds, microseconds or milliseconds since 1970, or seconds with a point.

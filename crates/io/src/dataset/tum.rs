@@ -7,7 +7,9 @@ use super::associate::associate;
 use super::given::Given;
 use super::layout::SequenceKind;
 use super::stamps::{Order, of_field, of_name, seconds};
-use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, folder_name, truth};
+use super::{
+    DatasetError, FrameSource, OpenOptions, Sensor, Sequence, choose_sensor, folder_name, monocular, truth,
+};
 use crate::file::{FileError, Line, TextFile, counted};
 use crate::images::image_size;
 use crate::trajectory::TrajectoryFormat;
@@ -61,7 +63,12 @@ pub(super) fn open(
     let mut warnings = Vec::new();
     let color = read_list(dir, &lists.color, &mut warnings)?;
     let has_both = color.iter().any(|entry| entry.depth.is_some());
-    let mut sensor = choose_sensor(dir, lists, has_both, options.sensor, &mut warnings)?;
+    let no_right = Some("TUM RGB-D folders contain no right images".to_owned());
+    // Depth images that are asked for and missing are told by the list.
+    let is_poor = options.sensor.is_none() && !has_both && !lists.depth.is_file();
+    let no_depth = is_poor.then(String::new);
+    let mut sensor = choose_sensor(dir, options.sensor, no_right, no_depth)?;
+    warnings.extend(monocular(&lists.depth, options.sensor, sensor, "no such file"));
     let of_images = color.iter().find_map(|entry| image_size(&entry.path).ok());
     let replaced = given.replace((options.sensor, sensor), None, of_images, dir, &mut warnings)?;
     let cameras = replaced.map(|(possible, cameras)| {
@@ -94,26 +101,6 @@ pub(super) fn open(
 
 fn frame(index: usize, entry: Entry) -> FrameSource {
     FrameSource { depth: entry.depth, ..FrameSource::of(index, entry.ns, entry.path) }
-}
-
-fn choose_sensor(
-    dir: &Path,
-    lists: &Lists,
-    has_both: bool,
-    wanted: Option<Sensor>,
-    warnings: &mut Vec<String>,
-) -> Result<Sensor, DatasetError> {
-    match wanted {
-        Some(Sensor::Stereo) => {
-            Err(DatasetError::unavailable(dir, Sensor::Stereo, "TUM RGB-D folders contain no right images"))
-        }
-        Some(sensor) => Ok(sensor),
-        None if has_both || lists.depth.is_file() => Ok(Sensor::Rgbd),
-        None => {
-            warnings.push(format!("{}: no such file, so the run is monocular", lists.depth.display()));
-            Ok(Sensor::Mono)
-        }
-    }
 }
 
 /// Reads a list of images: times that do not go back, and paths relative to the folder.

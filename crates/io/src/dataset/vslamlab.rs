@@ -7,7 +7,7 @@ use super::cameras::Cameras;
 use super::given::Given;
 use super::layout::SequenceKind;
 use super::stamps::Order;
-use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, folder_name, truth};
+use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, choose_sensor, folder_name, truth};
 use crate::file::{FileError, TextFile, counted, shown};
 use crate::images::image_size;
 use crate::trajectory::TrajectoryFormat;
@@ -25,18 +25,10 @@ pub(super) fn open(dir: &Path, options: &OpenOptions, given: &Given) -> Result<S
     let mut warnings = Vec::new();
     let frames = read_list(dir)?;
     let has = |get: fn(&FrameSource) -> bool| frames.iter().all(get);
-    let (has_right, has_depth) = (has(|frame| frame.right.is_some()), has(|frame| frame.depth.is_some()));
-    let unavailable = |sensor, reason| Err(DatasetError::unavailable(dir, sensor, reason));
-    let sensor = match options.sensor {
-        Some(Sensor::Stereo) if !has_right => {
-            return unavailable(Sensor::Stereo, "rgb.csv has no path_rgb_1");
-        }
-        Some(Sensor::Rgbd) if !has_depth => return unavailable(Sensor::Rgbd, "rgb.csv has no path_depth_0"),
-        Some(sensor) => sensor,
-        None if has_right => Sensor::Stereo,
-        None if has_depth => Sensor::Rgbd,
-        None => Sensor::Mono,
-    };
+    let lacks = |column: &str| Some(format!("rgb.csv has no {column}"));
+    let no_right = lacks("path_rgb_1").filter(|_| !has(|frame| frame.right.is_some()));
+    let no_depth = lacks("path_depth_0").filter(|_| !has(|frame| frame.depth.is_some()));
+    let sensor = choose_sensor(dir, options.sensor, no_right, no_depth)?;
     let of_images = frames.iter().find_map(|frame| image_size(&frame.left).ok());
     let replaced = given.replace((options.sensor, sensor), None, of_images, dir, &mut warnings)?;
     let (sensor, cameras) = replaced.unwrap_or((sensor, Cameras::default()));

@@ -75,10 +75,10 @@ impl<'a> Field<'a> {
     /// The error of this field, with its line where it is there.
     pub(crate) fn error(&self, found: impl Into<String>, expected: impl Into<String>) -> DatasetError {
         let line = self.node.map_or(0, |node| node.line);
-        DatasetError::Field {
+        let line = if line > 0 { format!(":{line}") } else { String::new() };
+        DatasetError::Unexpected {
             path: self.path.to_path_buf(),
-            line: if line > 0 { format!(":{line}") } else { String::new() },
-            field: self.name.clone(),
+            place: format!("{line}: {}", self.name),
             found: found.into(),
             expected: expected.into(),
         }

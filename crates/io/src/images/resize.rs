@@ -8,7 +8,6 @@ use super::ImageSize;
 
 /// A gray image reduced to a size, with the corners kept in place: each pixel is a weighted mean over the area that it covers and half
 /// of that of its neighbors, so that nothing is seen that is finer than the new pixels.
-#[must_use]
 pub fn reduce_gray(image: &GrayImage, size: ImageSize) -> GrayImage {
     let (width, height) = (image.width as u32, image.height as u32);
     let unchanged = image.width == size.width && image.height == size.height;
@@ -23,7 +22,6 @@ pub fn reduce_gray(image: &GrayImage, size: ImageSize) -> GrayImage {
 }
 
 /// A depth image reduced to a size by taking the pixel in the middle of each new one: depths of different things are never mixed.
-#[must_use]
 pub fn reduce_depth(image: &DepthImage, size: ImageSize) -> DepthImage {
     let middle = |i: usize, new: usize, old: usize| (2 * i + 1) * old / (2 * new.max(1));
     Raster::from_fn(size.width, size.height, |x, y| {

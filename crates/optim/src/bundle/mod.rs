@@ -134,7 +134,6 @@ impl BundleProblem {
     ///
     /// # Panics
     /// When an observation names a camera or point that does not exist.
-    #[must_use]
     pub fn inliers(&self, cameras: &[SE3], points: &[Vec3]) -> Vec<bool> {
         let cameras: Vec<RigCamera> = cameras.iter().map(|&pose| RigCamera::new(pose)).collect();
         let points: Vec<Point> = points.iter().map(|&p| p.into()).collect();

@@ -15,11 +15,11 @@ pub(super) fn read(folder: &Path) -> Result<CameraFile, DatasetError> {
     let Some(root) = roots.into_iter().find(|root| root.join(left).is_file()) else {
         return match find(folder) {
             Some(file) => read_calibration(&file),
-            None => Err(DatasetError::UnknownCalibration {
-                path: folder.to_path_buf(),
-                found: "a folder without a calibration".to_owned(),
-                expected: format!("a file, or a folder with {left} and {right}"),
-            }),
+            None => Err(DatasetError::unexpected(
+                folder,
+                "a folder without a calibration",
+                format!("one of these calibrations: a file, or a folder with {left} and {right}"),
+            )),
         };
     };
     let mut cameras = read_calibration(&root.join(left))?;

@@ -98,8 +98,7 @@ fn find_projection(file: &TextFile, camera: usize) -> Result<Projection, Dataset
         names.iter().find_map(|name| Some((name.as_str(), find(file, name)?)))
     else {
         let [name, raw] = &names;
-        let camera = format!("{name}:` or `{raw}");
-        return Err(DatasetError::MissingCamera { path: file.path.clone(), camera });
+        return Err(DatasetError::unexpected(&file.path, format!("no line `{name}:` or `{raw}:`"), EXPECTED));
     };
     let matrix = line.numbers::<12>(numbers.split_whitespace(), EXPECTED)?;
     Ok(projection(&line, name, &matrix)?)

@@ -108,10 +108,10 @@ pub fn read_calibration(path: &Path) -> Result<CameraFile, DatasetError> {
     if path.is_dir() {
         return folder::read(path);
     }
-    let unknown = |found: String| DatasetError::UnknownCalibration {
-        path: path.to_path_buf(),
-        found,
-        expected: FORMATS.iter().map(|format| format.name).chain(TEXT_FORMATS).collect::<Vec<_>>().join(", "),
+    let unknown = |found: String| {
+        let formats: Vec<&str> = FORMATS.iter().map(|format| format.name).chain(TEXT_FORMATS).collect();
+        let expected = format!("one of these calibrations: {}", formats.join(", "));
+        DatasetError::unexpected(path, found, expected)
     };
     let file = TextFile::read(path, EXPECTED).map_err(|error| match error {
         FileError::NotText { .. } => unknown("a file that is not text".to_owned()),
@@ -215,12 +215,9 @@ impl CameraFile {
         images: Option<ImageSize>,
     ) -> Result<Vec<RawCamera>, DatasetError> {
         let raw = |camera: &FileCamera| {
-            let size = camera.size.or(images).ok_or_else(|| DatasetError::Field {
-                path: self.path.clone(),
-                line: String::new(),
-                field: "resolution".to_owned(),
-                found: "nothing, nor an image that can be read".to_owned(),
-                expected: "width and height in pixels".to_owned(),
+            let size = camera.size.or(images).ok_or_else(|| {
+                let found = "nothing, nor an image that can be read";
+                DatasetError::in_field(&self.path, "resolution", found, "width and height in pixels")
             })?;
             Ok(RawCamera { model: camera.model, size, body_from_cam: camera.body_from_cam })
         };

@@ -123,7 +123,7 @@ impl ImageList {
 /// The left images that have a right one at the same time, with it.
 ///
 /// # Errors
-/// [`DatasetError::NoPairs`] when there is none.
+/// [`DatasetError::Unexpected`] when there is none.
 pub(super) fn pair<'a>(
     left: &'a ImageList,
     right: &'a ImageList,
@@ -140,15 +140,13 @@ pub(super) fn pair<'a>(
         .collect();
     if pairs.is_empty() {
         let nearest_ms = nearest_s(&left_s, &right_s) * 1e3;
-        return Err(DatasetError::NoPairs {
-            path: right.file.clone(),
-            found: format!(
-                "no time of an image of cam0: {}, {}, the nearest two are {nearest_ms:.3} ms apart",
-                left.describe(),
-                right.describe()
-            ),
-            tolerance_ms: PAIR_TOLERANCE_S * 1e3,
-        });
+        let found = format!(
+            "no time of an image of cam0: {}, {}, the nearest two are {nearest_ms:.3} ms apart",
+            left.describe(),
+            right.describe()
+        );
+        let expected = format!("one within {} ms", PAIR_TOLERANCE_S * 1e3);
+        return Err(DatasetError::unexpected(&right.file, found, expected));
     }
     for (list, other) in [(left, "cam1"), (right, "cam0")] {
         let n_single = list.images.len() - pairs.len();

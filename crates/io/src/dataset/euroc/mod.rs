@@ -7,7 +7,10 @@ use std::path::{Path, PathBuf};
 
 use super::given::Given;
 use super::layout::SequenceKind;
-use super::{DatasetError, FrameSource, OpenOptions, Sensor, Sequence, Times, folder_name, truth};
+use super::{
+    DatasetError, FrameSource, OpenOptions, Sensor, Sequence, Times, choose_sensor, folder_name, monocular,
+    truth,
+};
 use crate::trajectory::TrajectoryFormat;
 use images::{Image, ImageList};
 
@@ -28,14 +31,18 @@ pub(super) fn open(
     given: &Given,
 ) -> Result<Sequence, DatasetError> {
     let mut warnings = Vec::new();
-    let sensor = choose_sensor(dir, root, options.sensor, &mut warnings)?;
+    let right = root.join("cam1");
+    let no_right = (!right.is_dir()).then(|| format!("found no folder {}", right.display()));
+    let no_depth = Some("EuRoC folders contain no depth images".to_owned());
+    let sensor = choose_sensor(dir, options.sensor, no_right, no_depth)?;
+    warnings.extend(monocular(&right, options.sensor, sensor, "no such folder"));
     let left = ImageList::read(&root.join("cam0"), &mut warnings)?;
     let of_images = left.images.iter().find_map(|image| crate::images::image_size(&image.path).ok());
     let (sensor, cameras) =
         calibration::read(dir, root, (options.sensor, sensor), given, of_images, &mut warnings)?;
     let frames: Vec<FrameSource> = match sensor {
         Sensor::Stereo => {
-            let right = ImageList::read(&root.join("cam1"), &mut warnings)?;
+            let right = ImageList::read(&right, &mut warnings)?;
             let pairs = images::pair(&left, &right, &mut warnings)?;
             right.warn_of_missing(&mut warnings)?;
             pairs.iter().enumerate().map(|(i, (left, right))| frame(i, left, Some(right))).collect()
@@ -58,30 +65,6 @@ fn frame(index: usize, left: &Image, right: Option<&Image>) -> FrameSource {
     FrameSource {
         right: right.map(|image| image.path.clone()),
         ..FrameSource::of(index, left.nanoseconds, left.path.clone())
-    }
-}
-
-fn choose_sensor(
-    dir: &Path,
-    root: &Path,
-    wanted: Option<Sensor>,
-    warnings: &mut Vec<String>,
-) -> Result<Sensor, DatasetError> {
-    let right = root.join("cam1");
-    match wanted {
-        Some(Sensor::Rgbd) => {
-            Err(DatasetError::unavailable(dir, Sensor::Rgbd, "EuRoC folders contain no depth images"))
-        }
-        Some(Sensor::Stereo) if !right.is_dir() => {
-            let reason = format!("found no folder {}", right.display());
-            Err(DatasetError::unavailable(dir, Sensor::Stereo, reason))
-        }
-        Some(sensor) => Ok(sensor),
-        None if right.is_dir() => Ok(Sensor::Stereo),
-        None => {
-            warnings.push(format!("{}: no such folder, so the run is monocular", right.display()));
-            Ok(Sensor::Mono)
-        }
     }
 }
 

@@ -227,7 +227,8 @@ fn times(
         if times_ns.len() == n_images {
             return Ok((times_ns, Times::Given));
         }
-        return Err(DatasetError::TimesOfImages { path, found: counted(times_ns.len(), "time"), n_images });
+        let expected = format!("{n_images} (one per image)");
+        return Err(DatasetError::unexpected(&path, counted(times_ns.len(), "time"), expected));
     }
     let stems: Vec<String> = tree.left.iter().map(|path| names::stem(path)).collect();
     if let Some(times_ns) = stamps::of_names(stems.iter().map(String::as_str)) {

@@ -5,16 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-/// Below `dsslam eval places --help`.
-pub(crate) const HELP: &str = "\
-Examples:
-  dsslam eval places kitti/sequences/06 --out /tmp/places
-  dsslam eval places town --selection trad --every 2 --out /tmp/places
-
-Selections: trad (highest response), seman (the same off what may move), ours (highest activation
-of what will still be there another day).
-By default, words are weighted by what will still be there; --set weights.words=false weights all words equally.
-Files: areas.csv (a row per selection), places.csv (a row per query), curves.csv, precision_recall.png and .svg.";
+use crate::args::NetworkArgs;
 
 /// Arguments of `dsslam eval places`.
 #[derive(Debug, Args)]
@@ -66,13 +57,9 @@ pub(crate) struct PlacesArgs {
     /// Overrides one key of the configuration; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) overrides: Vec<String>,
-    /// Network (ONNX) of `ours` instead of the built-in one: gray image in, activation map out.
-    #[arg(long, value_name = "FILE", help_heading = "Network")]
-    pub(super) dsfeat_model: Option<PathBuf>,
-    /// ONNX Runtime's library [default: ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
-    /// ~/.local/share/dsslam or in the system folders].
-    #[arg(long, value_name = "FILE", help_heading = "Network")]
-    pub(super) onnxruntime: Option<PathBuf>,
+    /// The network of `seman` and `ours`.
+    #[command(flatten)]
+    pub(super) network: NetworkArgs,
 }
 
 impl PlacesArgs {

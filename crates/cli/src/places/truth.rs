@@ -6,7 +6,7 @@ use geometry::SE3;
 use io::{Sequence, Trajectory, read_trajectory};
 
 use super::args::PlacesArgs;
-use crate::loops::{LoopTruth, SamePlace};
+use eval::{LoopTruth, SamePlace};
 
 /// Largest time between a frame and its true pose, seconds.
 const TOLERANCE_S: f64 = 0.02;

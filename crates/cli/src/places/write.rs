@@ -6,17 +6,17 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::Outcome;
-use crate::loops::LoopTruth;
-use crate::plot::{PrecisionRecallFigure, save};
+use eval::LoopTruth;
+use eval::plot;
 
 /// Writes `areas.csv`, `places.csv`, `curves.csv` and the figure.
 pub(super) fn files(folder: &Path, sequence: &str, outcomes: &[Outcome], truth: &LoopTruth) -> Result<()> {
     io::write_atomic(&folder.join("areas.csv"), areas(outcomes, truth).as_bytes())?;
     io::write_atomic(&folder.join("places.csv"), answers(outcomes).as_bytes())?;
     io::write_atomic(&folder.join("curves.csv"), curves(outcomes).as_bytes())?;
-    let curves = outcomes.iter().map(|o| (o.selection.to_string(), o.by_error.clone())).collect();
+    let curves: Vec<_> = outcomes.iter().map(|o| (o.selection.to_string(), o.by_error.clone())).collect();
     let title = format!("Place recognition: {sequence}");
-    save(folder, "precision_recall", &PrecisionRecallFigure { title, curves })
+    plot::save(folder, "precision_recall", &plot::precision_recall(&title, &curves)?)
 }
 
 /// A row per query and selection.

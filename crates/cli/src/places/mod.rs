@@ -12,48 +12,19 @@ mod write;
 mod xfeat;
 
 use std::path::Path;
-use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use bow::Vocabulary;
-use dsfeat::Network;
-use features::ExtractorConfig;
+use dsslam::Config;
+use eval::{Detection, LoopTruth, PrecisionRecallCurve, precision_recall};
 use io::open_sequence;
 
-use crate::loops::LoopTruth;
-use crate::precision_recall::{Detection, PrecisionRecallCurve, precision_recall};
+use crate::console;
 use args::Selection;
 use selections::Describer;
 use sight::{Memory, Sight};
 use verify::{Evidence, best};
 
-pub(crate) use args::{HELP, PlacesArgs};
-
-/// What place recognition takes from a configuration.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// The section `features`.
-    pub features: ExtractorConfig,
-    /// `weights.words`: whether words are weighted by activation.
-    pub weighs_words: bool,
-}
-
-/// Reads a configuration: a file (else the defaults), and what is overridden in it, `key=value`.
-pub type ReadSettings = dyn Fn(Option<&Path>, &[String]) -> Result<Settings>;
-/// Opens a network: the file of a model, else the built-in one; ONNX Runtime's library; the section `features`.
-pub type OpenNetwork = dyn Fn(Option<&Path>, Option<&Path>, &ExtractorConfig) -> Result<Network>;
-
-/// What place recognition takes from the program around it, which knows how a configuration becomes a run.
-pub struct Host<'a> {
-    /// Reads a configuration: a file (else the defaults), and what is overridden in it, `key=value`.
-    pub settings: &'a ReadSettings,
-    /// Opens a network: the file of a model, else the built-in one; ONNX Runtime's library; the section `features`.
-    pub network: &'a OpenNetwork,
-    /// Opens a vocabulary: a file, else the built-in one.
-    pub vocabulary: &'a dyn Fn(Option<&Path>) -> Result<Arc<Vocabulary>>,
-    /// Hears how many frames are done, and of how many.
-    pub progress: &'a dyn Fn(usize, usize),
-}
+pub(crate) use args::PlacesArgs;
 
 /// What was retrieved for one query by one selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,16 +61,16 @@ impl Outcome {
 /// # Errors
 /// A configuration that is wrong, a sequence without ground truth or revisits, a network that cannot be used, a folder that cannot
 /// be written.
-pub(crate) fn run(args: &PlacesArgs, host: &Host<'_>) -> Result<String> {
-    let settings = (host.settings)(args.config.as_deref(), &args.overrides)?;
+pub(crate) fn run(args: &PlacesArgs) -> Result<String> {
+    let config = Config::load(args.config.as_deref(), &args.overrides)?;
     let sequence = open_sequence(&args.sequence, None)?;
     let selections = args.selections();
     let truth = truth::of(&sequence, args)?;
-    let mut describer = Describer::new(args, &settings, &selections, host)?;
+    let mut describer = Describer::new(args, &config, &selections)?;
     io::create_output_folder(&args.out)?;
     let images: Vec<&Path> =
         sequence.frames.iter().step_by(args.every as usize).map(|frame| frame.left.as_path()).collect();
-    let answers = recognize(&images, &truth, (args.min_gap(), args.single), &mut describer, host)?;
+    let answers = recognize(&images, &truth, (args.min_gap(), args.single), &mut describer)?;
     let outcomes: Vec<Outcome> = selections
         .iter()
         .zip(answers)
@@ -115,12 +86,12 @@ fn recognize(
     truth: &LoopTruth,
     (min_gap, single): (usize, bool),
     describer: &mut Describer,
-    host: &Host<'_>,
 ) -> Result<Vec<Vec<Answer>>> {
     let n_selections = describer.n_selections();
     let mut memories: Vec<Memory> = (0..n_selections).map(|_| Memory::default()).collect();
     let mut sights: Vec<Vec<Sight>> = vec![Vec::new(); n_selections];
     let mut answers: Vec<Vec<Answer>> = vec![Vec::new(); n_selections];
+    let bar = console::bar(Some(images.len() as u64), "{bar:24} {pos}/{len} frames");
     for (query, image) in images.iter().enumerate() {
         let image = io::load_gray(image)?;
         let described = describer.describe(&image).with_context(|| format!("frame {query}"))?;
@@ -135,8 +106,9 @@ fn recognize(
             }
             sights[i].push(sight);
         }
-        (host.progress)(query + 1, images.len());
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     Ok(answers)
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use bow::{Transformed, Vocabulary};
 use dsfeat::Network;
+use dsslam::Config;
 use features::{
     ActivationMap, Contender, Descriptor, Extractor, ExtractorConfig, SelectionConfig, SelectionRule, Spread,
     select,
@@ -14,7 +15,6 @@ use geometry::{GrayImage, Raster, Vec2};
 use super::args::{PlacesArgs, Selection};
 use super::sight::{Look, Sight};
 use super::xfeat::{DenseFeatures, DenseKeypoint, DenseNetwork};
-use super::{Host, Settings};
 
 /// Turns an image into what each selection keeps of it.
 pub(super) struct Describer {
@@ -38,25 +38,17 @@ impl Describer {
     ///
     /// # Errors
     /// A model or a library that cannot be used.
-    pub(super) fn new(
-        args: &PlacesArgs,
-        settings: &Settings,
-        selections: &[Selection],
-        host: &Host<'_>,
-    ) -> Result<Self> {
-        let open = || {
-            let (file, library) = (args.dsfeat_model.as_deref(), args.onnxruntime.as_deref());
-            (host.network)(file, library, &settings.features)
-        };
+    pub(super) fn new(args: &PlacesArgs, config: &Config, selections: &[Selection]) -> Result<Self> {
+        let settings = &config.features;
         let needed = selections.iter().any(|selection| *selection != Selection::Trad);
-        let network = needed.then(open).transpose()?;
+        let network = needed.then(|| dsslam::load_network(&args.network.options(), settings)).transpose()?;
         let dense = match &args.features_model {
             None => None,
             Some(file) => {
                 let model =
                     std::fs::read(file).with_context(|| format!("{}: cannot be read", file.display()))?;
-                let library = args.onnxruntime.as_deref();
-                let network = DenseNetwork::load(&model, library, settings.features.network_threads);
+                let library = args.network.onnxruntime.as_deref();
+                let network = DenseNetwork::load(&model, library, settings.network_threads);
                 Some(network.with_context(|| file.display().to_string())?)
             }
         };
@@ -70,11 +62,11 @@ impl Describer {
             (selection, SelectionConfig { rule, keep: args.keep as usize, spread })
         };
         let candidates =
-            ExtractorConfig { selection: SelectionRule::Activation, keep: 1, ..settings.features.clone() };
+            ExtractorConfig { selection: SelectionRule::Activation, keep: 1, ..settings.clone() };
         let extractor = Extractor::new(candidates);
         let selections = selections.iter().map(rule).collect();
-        let vocabulary = (host.vocabulary)(args.vocab.as_deref())?;
-        let words = Words { vocabulary, weighted: settings.weighs_words };
+        let vocabulary = dsslam::vocabulary(args.vocab.as_deref())?;
+        let words = Words { vocabulary, weighted: config.weights.words };
         Ok(Self { selections, network, extractor, dense, words })
     }
 
