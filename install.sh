@@ -66,7 +66,7 @@ if [ -n "$python" ]; then
   python3 -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps "$wheels"/dsslam-*.whl
   python3 -m pip install --quiet --disable-pip-version-check "$wheels"/dsslam-*.whl
   python3 -m pip install --quiet --disable-pip-version-check "onnxruntime>=1.24" ||
-    echo "      without ONNX Runtime the activation network runs on what is built in, several times slower" >&2
+    echo "      without ONNX Runtime the activation network runs on the built-in engine, several times slower" >&2
   echo "built and installed: $(ls "$wheels"/dsslam-*.whl)   (try: python3 -c 'import dsslam')"
   exit
 fi
@@ -76,7 +76,7 @@ if message=$(crates/dsfeat/get-onnxruntime.sh 2>&1); then
   echo "      $message"
 else
   echo "      not installed: $message" >&2
-  echo "      Without it the network runs on what is built in, several times slower. To try again:" >&2
+  echo "      Without it the network runs on the built-in engine, several times slower. To try again:" >&2
   echo "      crates/dsfeat/get-onnxruntime.sh, or pass a library with --onnxruntime FILE" >&2
 fi
 

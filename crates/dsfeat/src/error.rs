@@ -24,7 +24,7 @@ pub enum Error {
     /// Not an ONNX model, or one with unknown operators.
     #[error("cannot be used as a model: {0}")]
     BadModel(String),
-    /// The model does not run on what is built in, which has fewer operators than ONNX Runtime.
+    /// The model does not run on the built-in engine, which has fewer operators than ONNX Runtime.
     #[error(
         "cannot be used as a model without ONNX Runtime, which was not found and may run it: {0}. Install it with\n  {INSTALL}\n\
          or pass --onnxruntime FILE"

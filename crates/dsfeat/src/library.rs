@@ -37,12 +37,12 @@ impl fmt::Display for Runner {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::OnnxRuntime => "ONNX Runtime",
-            Self::BuiltIn => "what is built in",
+            Self::BuiltIn => "the built-in engine",
         })
     }
 }
 
-/// What runs networks: ONNX Runtime with `library` or the first library found, which is loaded here, else what is built in.
+/// What runs networks: ONNX Runtime with `library` or the first library found, which is loaded here, else the built-in engine.
 ///
 /// # Errors
 /// [`Error::BadLibrary`] where a library that was named, as `library` or by the environment, cannot be used.

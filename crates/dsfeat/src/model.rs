@@ -1,5 +1,5 @@
 //! An ONNX model of images: the same input gives the same bits, for any number of threads. ONNX Runtime runs it, or, where that is
-//! not found, what is built in.
+//! not found, the built-in engine.
 
 use std::fmt;
 use std::path::Path;
@@ -55,24 +55,24 @@ pub struct Output {
 
 impl ImageModel {
     /// Loads an ONNX model. `library` is the file of ONNX Runtime, by default the first one found; the first model of the
-    /// process decides. Where none is found the model runs on what is built in. `threads` is the number of threads of a run, at
-    /// least 1.
+    /// process decides. Where none is found the model runs on the built-in engine. `threads` is the number of threads of a run in
+    /// ONNX Runtime, at least 1; the built-in engine takes one.
     ///
     /// # Errors
-    /// A library that was named and cannot be used, no model, or one that does not run on what is built in.
+    /// A library that was named and cannot be used, no model, or one that does not run on the built-in engine.
     pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
         match Library::load(model, library, threads)? {
             Some(loaded) => Ok(Self::on(Engine::Library(loaded))),
-            None => Self::built_in(model, threads),
+            None => Self::built_in(model),
         }
     }
 
-    /// Loads an ONNX model that runs on what is built in.
+    /// Loads an ONNX model that runs on the built-in engine.
     ///
     /// # Errors
-    /// No model, or one that does not run on what is built in.
-    pub(crate) fn built_in(model: &[u8], threads: usize) -> Result<Self, Error> {
-        Ok(Self::on(Engine::BuiltIn(BuiltIn::load(model, threads)?)))
+    /// No model, or one that does not run on the built-in engine.
+    pub(crate) fn built_in(model: &[u8]) -> Result<Self, Error> {
+        Ok(Self::on(Engine::BuiltIn(BuiltIn::load(model)?)))
     }
 
     fn on(engine: Engine) -> Self {

@@ -22,11 +22,7 @@ impl Library {
     ///
     /// # Errors
     /// A library that was named and cannot be used, or no model.
-    pub(crate) fn load(
-        model: &[u8],
-        library: Option<&Path>,
-        threads: usize,
-    ) -> Result<Option<Self>, Error> {
+    pub(crate) fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Option<Self>, Error> {
         let Some(environment) = library::environment(library)? else { return Ok(None) };
         let session = Session::builder(&environment)
             .map_err(bad_model)?

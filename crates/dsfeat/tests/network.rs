@@ -1,5 +1,5 @@
-//! Networks on ONNX Runtime, or where that is not installed on what is built in: known answers of tiny models, the same bits for
-//! any number of threads, refusals. `built_in.rs` tests what is built in on every machine.
+//! Networks on ONNX Runtime, or where that is not installed on the built-in engine: known answers of tiny models, the same bits for
+//! any number of threads, refusals. `built_in.rs` tests the built-in engine on every machine.
 
 use std::path::Path;
 

@@ -70,7 +70,7 @@ pub(crate) struct PlacesArgs {
     #[arg(long, value_name = "FILE", help_heading = "Network")]
     pub(super) dsfeat_model: Option<PathBuf>,
     /// ONNX Runtime's library [default: ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
-    /// ~/.local/share/dsslam or in the system folders].
+    /// ~/.local/share/dsslam or in the system folders; without it the network runs several times slower].
     #[arg(long, value_name = "FILE", help_heading = "Network")]
     pub(super) onnxruntime: Option<PathBuf>,
 }

@@ -120,6 +120,30 @@ fn places_seen_twice_are_recognized() {
 }
 
 #[test]
+fn without_onnx_runtime_the_network_runs_and_its_user_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, nowhere) = (folder.path().join("run"), folder.path().join("nowhere"));
+    let without = |args: &[&str]| {
+        let mut command = command(args);
+        command.env("HOME", &nowhere).env("XDG_DATA_HOME", &nowhere).env_remove("ORT_DYLIB_PATH");
+        ended(command.output().unwrap())
+    };
+    let mut args = vec!["run", text(rendered()), "--max-frames", "5", "--out", text(&out)];
+    args.extend(ACTIVATION);
+    let call = without(&args);
+    call.expect_success();
+    if without(&["doctor"]).stdout.contains("the network runs without it") {
+        assert_eq!(call.stderr.matches("ONNX Runtime was not found").count(), 1, "{call}");
+        assert!(
+            call.stderr.contains("several times slower") && call.stderr.contains("pip install"),
+            "{call}"
+        );
+    } else {
+        println!("skipped: the system has an ONNX Runtime of its own");
+    }
+}
+
+#[test]
 fn what_is_missing_is_named() {
     let copy = Copy::of_first(5);
     let (path, out) = (copy.path(), tempfile::tempdir().unwrap());

@@ -69,7 +69,9 @@ fn onnx_runtime() -> Finding {
     let found = |what: &str| format!("{what}: the network runs without it, several times slower");
     let (text, is_used) = match (dsfeat::find_library(), dsfeat::runner(None)) {
         (Some(library), Ok(Runner::OnnxRuntime)) => (library.display().to_string(), true),
-        (Some(library), Ok(Runner::BuiltIn)) => (found(&format!("{} cannot be used", library.display())), false),
+        (Some(library), Ok(Runner::BuiltIn)) => {
+            (found(&format!("{} cannot be used", library.display())), false)
+        }
         (None, _) => (found("not found"), false),
         (_, Err(dsfeat::Error::BadLibrary { path, reason })) => {
             (format!("{}: {reason} (ORT_DYLIB_PATH)", path.display()), false)
@@ -79,7 +81,11 @@ fn onnx_runtime() -> Finding {
     if is_used {
         Finding::ok("ONNX Runtime", text)
     } else {
-        Finding::optional("ONNX Runtime", text, format!("{}\nor set ORT_DYLIB_PATH to a library", dsfeat::INSTALL))
+        Finding::optional(
+            "ONNX Runtime",
+            text,
+            format!("{}\nor set ORT_DYLIB_PATH to a library", dsfeat::INSTALL),
+        )
     }
 }
 

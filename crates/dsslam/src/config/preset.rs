@@ -117,7 +117,7 @@ fn network_notice(config: &Config, network: &NetworkOptions) -> Option<String> {
     let runner = is_wanted.then(|| dsfeat::runner(network.library.as_deref()));
     matches!(runner, Some(Ok(Runner::BuiltIn))).then(|| {
         format!(
-            "ONNX Runtime was not found, so the network runs on what is built in, several times slower; {}",
+            "ONNX Runtime was not found, so the network runs on the built-in engine, several times slower; {}",
             dsfeat::INSTALL
         )
     })
