@@ -165,6 +165,7 @@ def measure(network: nn.Module, scenes: Scenes, limit: int) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--steps", type=int, default=200, help="optimisation steps per backbone and data set")
+    parser.add_argument("--only", nargs="*", choices=list(BACKBONES), default=list(BACKBONES), help="backbones to train")
     parser.add_argument("--batch", type=int, default=8)
     parser.add_argument("--limit", type=int, default=200, help="frames to evaluate per data set")
     parser.add_argument("--seed", type=int, default=1)
@@ -175,7 +176,7 @@ def main() -> None:
     torch.set_num_threads(1)
     found: dict[str, dict] = json.loads(args.json.read_text()) if args.json and args.json.is_file() else {}
     for data, validation in (("camvid_train", "camvid_test"), ("cityscapes_train", "cityscapes_val")):
-        missing = [name for name in BACKBONES if found.get(validation, {}).get(name, {}).get("steps") != args.steps]
+        missing = [name for name in args.only if found.get(validation, {}).get(name, {}).get("steps") != args.steps]
         if not missing:
             continue
         scenes, held_out = load(data, args.cache), load(validation, args.cache)
