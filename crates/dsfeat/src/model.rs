@@ -22,7 +22,7 @@ pub struct ImageModel {
 /// What runs the model.
 enum Engine {
     Library(Library),
-    BuiltIn(BuiltIn),
+    BuiltIn(Box<BuiltIn>),
 }
 
 /// An input or output as the model describes it.
@@ -72,7 +72,7 @@ impl ImageModel {
     /// # Errors
     /// No model, or one that does not run on the built-in engine.
     pub(crate) fn built_in(model: &[u8]) -> Result<Self, Error> {
-        Ok(Self::on(Engine::BuiltIn(BuiltIn::load(model)?)))
+        Ok(Self::on(Engine::BuiltIn(Box::new(BuiltIn::load(model)?))))
     }
 
     fn on(engine: Engine) -> Self {
