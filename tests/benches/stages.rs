@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use features::{
-    DepthConfig, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, Rig, SelectionConfig,
-    SelectionRule, Spread, StereoConfig, search_windows,
+    DepthConfig, Extractor, ExtractorConfig, Frame, FrameBuilder, InTurn, ProjectionQuery, Rig,
+    SelectionConfig, SelectionRule, Spread, StereoConfig, search_windows,
 };
 use geometry::{GrayImage, SE3, Vec3, Vec6};
 use optim::{
@@ -181,7 +181,7 @@ fn selection(criterion: &mut Criterion, input: &Input, network: dsfeat::Network)
         b.iter(|| network.answers(black_box(left)).unwrap());
     });
     let config = SelectionConfig { rule: SelectionRule::Activation, keep: 500, spread: Spread::Cells };
-    let mut builder = input.builder().with_selection(config, Arc::new(network));
+    let mut builder = input.builder().with_selection(config, Box::new(InTurn::new(Arc::new(network))));
     criterion.bench_function("stereo_frame of 500 by activation", |b| {
         b.iter(|| builder.stereo(0, 0.0, black_box(left), right).unwrap());
     });

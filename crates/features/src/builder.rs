@@ -1,10 +1,10 @@
 //! From images to a [`Frame`]: extraction, undistortion, depth of the features.
 
-use crate::activation::{ActivationError, ActivationMap, ActivationSource};
+use crate::activation::{ActivationError, ActivationMap};
 use crate::config::{Align, ExtractorConfig};
 use crate::depth::DepthConfig;
+use crate::evaluation::{Evaluator, Selection};
 use crate::extractor::{Extractor, Selected};
-use crate::follow::Evaluated;
 use crate::frame::{Frame, Rig};
 use crate::keypoint::{Features, Keypoint};
 use crate::mask::FeatureMask;
@@ -28,17 +28,6 @@ pub struct FrameBuilder {
     selection: Option<Selection>,
 }
 
-/// How features are selected.
-#[derive(Debug)]
-struct Selection {
-    config: SelectionConfig,
-    source: Arc<dyn ActivationSource>,
-    /// Frames from one evaluation of the source to the next.
-    every: u32,
-    /// The last one, if there are frames between.
-    last: Option<Evaluated>,
-}
-
 /// A frame, with the activation map of its (left) image if features are selected by one.
 pub type BuiltFrame = (Frame, Option<ActivationMap>);
 
@@ -58,14 +47,14 @@ impl FrameBuilder {
         }
     }
 
-    /// From now on keeps of the features only those that `config` selects by the activation maps of `source`; the number
-    /// of the extractor's settings is that of the candidates. Frames between two evaluations of the source take over its
-    /// last map, moved with the image; they are found by the numbers of the frames, so that equal frames in equal order give
-    /// equal bits.
+    /// From now on keeps of the features only those that `config` selects by the activation maps of `evaluator`; the number
+    /// of the extractor's settings is that of the candidates. With `network_every` above 1 frames go by the last evaluation that is
+    /// over, moved with the image; which one that is depends on the numbers of the frames alone, so that equal frames in equal
+    /// order give equal bits, whatever the evaluator's pace.
     #[must_use]
-    pub fn with_selection(mut self, config: SelectionConfig, source: Arc<dyn ActivationSource>) -> Self {
+    pub fn with_selection(mut self, config: SelectionConfig, evaluator: Box<dyn Evaluator>) -> Self {
         let every = self.extractor.config().network_every.max(1);
-        self.selection = Some(Selection { config, source, every, last: None });
+        self.selection = Some(Selection::new(config, evaluator, every));
         self
     }
 
@@ -133,6 +122,7 @@ impl FrameBuilder {
             .map(|(k, [d, _])| k.x - corrected(*d, *disparity_offset_px))
             .collect();
         let (mut frame, map) = self.frame(index, timestamp_s, extracted, right_u, patches);
+        self.evaluate(index, left);
         frame.slopes = Arc::new(disparities.iter().map(|[_, slope]| *slope).collect());
         Ok((frame, map))
     }
@@ -157,6 +147,7 @@ impl FrameBuilder {
         let virtual_column =
             |(k, d): (&Keypoint, Option<f64>)| d.map_or(f32::NAN, |d| (f64::from(k.x) - bf / d) as f32);
         let right_u = extracted.features.keypoints.iter().zip(depths).map(virtual_column).collect();
+        self.evaluate(index, gray);
         Ok(self.frame(index, timestamp_s, extracted, right_u, patches))
     }
 
@@ -174,7 +165,15 @@ impl FrameBuilder {
         let patches = patches(&self.extractor, &extracted.features);
         let extracted = extracted.undistorted(&self.rig);
         let right_u = vec![f32::NAN; extracted.features.keypoints.len()];
+        self.evaluate(index, gray);
         Ok(self.frame(index, timestamp_s, extracted, right_u, patches))
+    }
+
+    /// Starts the evaluation of an image for the frames after it, if one is due.
+    fn evaluate(&mut self, index: u32, image: &GrayImage) {
+        if let Some(selection) = &mut self.selection {
+            selection.evaluate_if_due(index, image, self.extractor.pyramid());
+        }
     }
 
     fn frame(
@@ -231,28 +230,6 @@ fn extract(
     };
     let Selected { features, activation, lasting, map } = selection.select(extractor, index, image)?;
     Ok(Extracted { features, activation, lasting, map: Some(map) })
-}
-
-impl Selection {
-    /// Selects by an evaluation of the source, if one is due, else by the last one.
-    fn select(
-        &mut self,
-        extractor: &mut Extractor,
-        index: u32,
-        image: &GrayImage,
-    ) -> Result<Selected, ActivationError> {
-        if let Some(last) = self.last.as_ref().filter(|last| index.wrapping_sub(last.index) < self.every) {
-            extractor.detect(image);
-            let moved = extractor.pyramid().levels().last().and_then(|level| last.moved_to(level));
-            if let Some(map) = moved {
-                return Ok(extractor.keep(map, &self.config, image));
-            }
-        }
-        let selected = extractor.extract_selected(image, &self.config, &*self.source)?;
-        let coarsest = extractor.pyramid().levels().last().filter(|_| self.every > 1);
-        self.last = coarsest.map(|level| Evaluated::new(index, selected.map.clone(), level));
-        Ok(selected)
-    }
 }
 
 /// A disparity with its offset; NaN when nothing above zero is left.

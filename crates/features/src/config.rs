@@ -24,7 +24,8 @@ pub struct ExtractorConfig {
     pub network_threads: usize,
     /// How large it sees the image.
     pub network_size: NetworkSize,
-    /// Frames from one of its evaluations to the next; between them its answers move with the image.
+    /// Frames from one of its evaluations to the next. Above 1 no frame waits for its own: the answers of the last evaluation that is
+    /// over move with the image.
     pub network_every: u32,
     /// Pyramid levels.
     pub levels: usize,
@@ -116,7 +117,7 @@ impl Section for ExtractorConfig {
         integer("features.candidates", "", [50, 100_000], "keypoints from which activation or semantic choose").expert(),
         choice("features.spread", Spread::WORDS, "where activation or semantic keep the best: in each cell, or anywhere in the image").expert(),
         choice("features.network_size", NetworkSize::WORDS, "pixels of the network's input: as many as 416 x 128, or as 320 x 96").expert(),
-        integer("features.network_every", "frames", [1, 10], "frames from one evaluation of the network to the next; between them its answers move with the image").expert(),
+        integer("features.network_every", "frames", [1, 10], "frames from one evaluation of the network to the next; above 1 it runs beside the rest, and its answers move with the image").expert(),
         integer("features.network_threads", "", [1, 64], "threads of the network; results do not depend on it").expert(),
         integer("features.levels", "", [1, 16], "levels of the image pyramid").expert(),
         real("features.scale_factor", "", between(1.01, 2.0), "size ratio of neighboring pyramid levels").expert(),

@@ -37,6 +37,7 @@ mod journal;
 mod lags;
 mod live;
 mod lockstep;
+mod network;
 mod outcome;
 mod prepare;
 mod record;

@@ -13,6 +13,7 @@ use slam::{KeyframeDatabase, Params, World};
 
 use crate::faults::Faults;
 use crate::lags::Lags;
+use crate::network;
 use crate::rule::Rule;
 
 /// How the stages of a run are scheduled. `Sequential` and `Lockstep` give the same bits.
@@ -93,7 +94,7 @@ impl Setup {
         }
     }
 
-    /// What makes frames of images, with the mask and the selection of features.
+    /// What makes frames of images, with the mask and the selection of features. A network gets a thread of its own.
     pub fn frame_builder(&self, disparity_offset_px: f64) -> FrameBuilder {
         let (rig, extractor) = (self.rig.clone(), self.extractor.clone());
         let builder = FrameBuilder::new(rig, extractor, self.stereo.clone(), self.depth.clone())
@@ -101,7 +102,9 @@ impl Setup {
             .with_mask(self.mask.clone());
         match &self.selection {
             None => builder,
-            Some(Selection { config, source, .. }) => builder.with_selection(*config, source.clone()),
+            Some(Selection { config, source, .. }) => {
+                builder.with_selection(*config, network::evaluator(source, self.faults.of("network")))
+            }
         }
     }
 

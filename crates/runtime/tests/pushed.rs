@@ -3,13 +3,16 @@
 
 mod common;
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use common::{Feed, Kind, setup};
 use dsslam_runtime::{
-    Event, Faults, FrameAnswer, FrameFeed, FrameStatus, Observer, RunOutcome, Schedule, Sequential, Setup,
-    Silent, Threaded, Unusable, run,
+    Event, Faults, FrameAnswer, FrameFeed, FrameStatus, Observer, RunOutcome, Schedule, Selection,
+    Sequential, Setup, Silent, Threaded, Unusable, run,
 };
+use features::{ActivationError, ActivationMap, ActivationSource, SelectionConfig, SelectionRule, Spread};
+use geometry::{GrayImage, Raster};
 
 /// Frames of which some are unusable.
 fn feed() -> Feed {
@@ -83,6 +86,35 @@ fn frames_pushed_to_threads_give_the_bits_of_a_run() {
     let mut expected = Answers::default();
     run(&feed, &setup(), &mut expected, &AtomicBool::new(false)).unwrap();
     assert_eq!(without_times(&answers), without_times(&expected.0));
+}
+
+/// Trusts the half of the image that a pixel of it decides on.
+#[derive(Debug)]
+struct Halves;
+
+impl ActivationSource for Halves {
+    fn activation(&self, image: &GrayImage) -> Result<ActivationMap, ActivationError> {
+        let trusts_left = image.at(20, 20).is_multiple_of(2);
+        let values = Raster::from_fn(16, 10, |x, _| if (x < 8) == trusts_left { 1.0 } else { 0.3 });
+        ActivationMap::new(values, image.width, image.height).ok_or(ActivationError::Unknown)
+    }
+}
+
+#[test]
+fn answers_of_a_network_serve_the_same_frames_by_every_schedule() {
+    let of = |schedule: Schedule, delays: Option<u64>| {
+        let config = SelectionConfig { rule: SelectionRule::Activation, keep: 150, spread: Spread::Cells };
+        let mut setup = Setup { schedule, faults: Faults { delays, ..Faults::default() }, ..setup() };
+        setup.extractor.network_every = 2;
+        setup.selection = Some(Selection { config, source: Arc::new(Halves), identity: 0 });
+        let outcome = run(&feed(), &setup, &mut Silent, &AtomicBool::new(false)).unwrap();
+        assert!(outcome.frames.iter().filter(|frame| frame.status.has_pose()).count() > 3);
+        bits(&outcome)
+    };
+    let expected = of(Schedule::Sequential, None);
+    for delays in [None, Some(1), Some(2)] {
+        assert_eq!(of(Schedule::Lockstep, delays), expected, "{delays:?}");
+    }
 }
 
 #[test]

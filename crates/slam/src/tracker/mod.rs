@@ -13,6 +13,7 @@ mod motion_model;
 mod predict;
 mod relocalize;
 mod residuals;
+mod rivals;
 mod track_reference_keyframe;
 
 use std::sync::Arc;

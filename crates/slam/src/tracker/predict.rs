@@ -7,6 +7,7 @@ use map::{Map, PointId};
 use super::Tracker;
 use super::last_frame::LastFrame;
 use super::relocalize::relocalize;
+use super::rivals::likelier;
 use super::track_reference_keyframe::track_reference_keyframe;
 use crate::lost::Lost;
 use crate::pose::{RefinedPose, refine_with_positions};
@@ -70,21 +71,26 @@ impl Tracker {
     /// Searches the last frame's points from where the motion model puts the camera; after a loss also from where it was.
     fn predict_by_motion(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Result<Prediction, Lost> {
         let rest = last.cam_from_world(map);
-        let Some(velocity) = &self.velocity else { return self.predict_at(&rest, frame, map, last) };
-        let predicted = velocity.motion_over(last.seconds_to(frame)) * rest;
-        let moving = self.predict_at(&predicted, frame, map, last);
+        let Some(velocity) = &self.velocity else { return self.predict_at(&rest, None, frame, map, last) };
+        let seconds = last.seconds_to(frame);
+        let predicted = velocity.motion_over(seconds) * rest;
+        // Inertia is in meters, and says nothing of a camera that nobody saw.
+        let has_inertia = !self.is_lost && !self.params.camera.sensor.is_scale_free();
+        let moving = self.predict_at(&predicted, has_inertia.then_some(seconds), frame, map, last);
         match moving {
             Err(lost) if self.is_lost => {
-                self.predict_at(&rest, frame, map, last).map_err(|l| lost.further(l))
+                self.predict_at(&rest, None, frame, map, last).map_err(|l| lost.further(l))
             }
             moving => moving,
         }
     }
 
-    /// Searches the last frame's points around a predicted pose, in windows that grow until enough agree.
+    /// Searches the last frame's points around a predicted pose, in windows that grow until enough agree. `inertia`: the seconds
+    /// since the last frame, if the camera goes on as before.
     fn predict_at(
         &self,
         predicted: &SE3,
+        inertia: Option<f64>,
         frame: &Frame,
         map: &Map,
         last: &LastFrame,
@@ -109,8 +115,12 @@ impl Tracker {
             }
             let positions: Vec<(u32, Vec3)> =
                 matches.iter().map(|&(f, source)| (f, sources[source].position)).collect();
-            let (cam_from_world, agrees) =
-                refine_with_positions(frame, *predicted, &positions, self.params.noise());
+            let noise = self.params.noise();
+            let mut solved = refine_with_positions(frame, *predicted, &positions, noise);
+            if let Some(seconds) = inertia {
+                solved = likelier(frame, (predicted, seconds), &positions, solved, noise);
+            }
+            let (cam_from_world, agrees) = solved;
             let agreeing = matches.iter().zip(&agrees).filter(|(_, agrees)| **agrees);
             let (found, needed) =
                 (agreeing.clone().count(), tracking.min_predicted_inliers.max(matches.len() / 3));
