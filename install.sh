@@ -65,17 +65,19 @@ if [ -n "$python" ]; then
   echo "[4/4] pip install"
   python3 -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps "$wheels"/dsslam-*.whl
   python3 -m pip install --quiet --disable-pip-version-check "$wheels"/dsslam-*.whl
+  python3 -m pip install --quiet --disable-pip-version-check "onnxruntime>=1.24" ||
+    echo "      without ONNX Runtime the activation network runs on the built-in engine, several times slower" >&2
   echo "built and installed: $(ls "$wheels"/dsslam-*.whl)   (try: python3 -c 'import dsslam')"
   exit
 fi
 
-echo "[3/4] ONNX Runtime, for the activation network"
+echo "[3/4] ONNX Runtime, which runs the activation network faster"
 if message=$(crates/dsfeat/get-onnxruntime.sh 2>&1); then
   echo "      $message"
 else
   echo "      not installed: $message" >&2
-  echo "      Without it features.selection must be response: with --config kitti add --set features.selection=response" >&2
-  echo "      --set features.keep=2000. Run crates/dsfeat/get-onnxruntime.sh again, or pass a library with --onnxruntime FILE" >&2
+  echo "      Without it the network runs on the built-in engine, several times slower. To try again:" >&2
+  echo "      crates/dsfeat/get-onnxruntime.sh, or pass a library with --onnxruntime FILE" >&2
 fi
 
 echo "[4/4] cargo build --release --locked"

@@ -15,7 +15,7 @@ esac
 # The OpenCV reference (crates/cv) needs Debian's packages; the program itself does not.
 crates/cv/get-opencv.sh
 
-# The activation network needs ONNX Runtime; without it its tests say that they were skipped.
+# ONNX Runtime runs the activation network faster; without it the tests compare nothing with it.
 crates/dsfeat/get-onnxruntime.sh || true
 
 started=$SECONDS

@@ -36,7 +36,10 @@ fn report(selected: &Selected, image: &GrayImage) {
     let (map, rule) = (&selected.answers.map, &selected.rule);
     let (width, height) = selected.network.input_size(image.width, image.height);
     let (columns, rows) = (map.values().width, map.values().height);
-    row("network", &format!("{width} x {height} pixels, map {columns} x {rows}"));
+    row(
+        "network",
+        &format!("{width} x {height} pixels, map {columns} x {rows}, run by {}", selected.network.runner()),
+    );
     if let Some(known) = selected.answers.known {
         row("street", &format!("{:.1} % sure that it is one; elsewhere there is no opinion", 100.0 * known));
     }

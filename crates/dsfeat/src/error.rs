@@ -9,20 +9,10 @@ pub const INSTALL: &str =
 /// Why there is no network or no activation map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The library is nowhere.
-    #[error(
-        "ONNX Runtime (libonnxruntime.so, 1.24 or newer) was found neither beside the program nor in {}. Install it with\n  \
-         {INSTALL}\nor pass --onnxruntime FILE; without it, use --set features.selection=response",
-        folders.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", ")
-    )]
-    NoLibrary {
-        /// Where it was looked for.
-        folders: Vec<PathBuf>,
-    },
-    /// The library is there but cannot be used.
+    /// The library that was named cannot be used.
     #[error(
         "{}: not a usable ONNX Runtime: {reason}; expected version 1.24 or newer. Install it with\n  {INSTALL}\n\
-         or pass another library with --onnxruntime FILE; without it, use --set features.selection=response",
+         or pass another library with --onnxruntime FILE. Where none is named, by --onnxruntime or ORT_DYLIB_PATH, the network runs without it",
         path.display()
     )]
     BadLibrary {
@@ -34,6 +24,12 @@ pub enum Error {
     /// Not an ONNX model, or one with unknown operators.
     #[error("cannot be used as a model: {0}")]
     BadModel(String),
+    /// The model does not run on the built-in engine, which has fewer operators than ONNX Runtime.
+    #[error(
+        "cannot be used as a model without ONNX Runtime, which was not found and may run it: {0}. Install it with\n  {INSTALL}\n\
+         or pass --onnxruntime FILE"
+    )]
+    NeedsLibrary(String),
     /// The model has other inputs or outputs.
     #[error("cannot be used as a model: {what} is {found}, expected {expected}")]
     WrongShape {

@@ -1,6 +1,7 @@
 //! Where ONNX Runtime is, and the one environment of the process in it.
 
 use std::env;
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -28,45 +29,59 @@ const SYSTEM: [&str; 6] = [
 pub enum Runner {
     /// The library ONNX Runtime.
     OnnxRuntime,
-    /// What the cargo feature `tract` builds in: the same answers but for the last digits, several times slower.
+    /// What is built in: the same answers but for the last digits, several times slower.
     BuiltIn,
 }
 
-/// What would run a network: ONNX Runtime with `library` or the first library found, else what is built in. Nothing is loaded.
+impl fmt::Display for Runner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::OnnxRuntime => "ONNX Runtime",
+            Self::BuiltIn => "the built-in engine",
+        })
+    }
+}
+
+/// What runs networks: ONNX Runtime with `library` or the first library found, which is loaded here, else the built-in engine.
 ///
 /// # Errors
-/// [`Error::NoLibrary`] where nothing is built in; [`Error::BadLibrary`] for a file that is not there.
+/// [`Error::BadLibrary`] where a library that was named, as `library` or by the environment, cannot be used.
 pub fn runner(library: Option<&Path>) -> Result<Runner, Error> {
-    match library.map_or_else(find_library, |path| Ok(path.to_owned())) {
-        Ok(path) => match fs::metadata(&path) {
-            Ok(_) => Ok(Runner::OnnxRuntime),
-            Err(error) => Err(Error::BadLibrary { path, reason: error.to_string() }),
-        },
-        Err(_) if cfg!(feature = "tract") => Ok(Runner::BuiltIn),
-        Err(missing) => Err(missing),
-    }
+    Ok(environment(library)?.map_or(Runner::BuiltIn, |_| Runner::OnnxRuntime))
 }
 
 /// ONNX Runtime allows one environment per process, which stays until the process ends. A failure stays as well: `ort` must
 /// not be asked to load a library again after one that could not be loaded.
 static ENVIRONMENT: Mutex<Option<Result<Environment, Error>>> = Mutex::new(None);
 
-/// The environment, made with `library` or the first library found when none has been loaded yet.
+/// The environment, made with `library` or the first library found when none has been loaded yet; `None` where no library
+/// was named and none that can be used was found.
 ///
 /// # Errors
-/// [`Error::NoLibrary`], [`Error::BadLibrary`].
-pub(crate) fn environment(library: Option<&Path>) -> Result<Environment, Error> {
+/// [`Error::BadLibrary`] for a library that was named.
+pub(crate) fn environment(library: Option<&Path>) -> Result<Option<Environment>, Error> {
     let mut slot = ENVIRONMENT.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(loaded) = &*slot {
-        return loaded.clone();
-    }
-    let path = match library {
-        Some(path) => path.to_owned(),
-        None => find_library()?,
+    let named = library.map(Path::to_owned).or_else(of_variable);
+    let is_named = named.is_some();
+    let loaded = match &*slot {
+        Some(loaded) => loaded.clone(),
+        None => match named.or_else(in_folders) {
+            Some(path) => first(&mut slot, &path),
+            None => return Ok(None),
+        },
     };
-    let bad = |reason: String| Error::BadLibrary { path: path.clone(), reason };
+    match loaded {
+        Ok(environment) => Ok(Some(environment)),
+        Err(error) if is_named => Err(error),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Loads the first library of the process.
+fn first(slot: &mut Option<Result<Environment, Error>>, path: &Path) -> Result<Environment, Error> {
+    let bad = |reason: String| Error::BadLibrary { path: path.to_owned(), reason };
     // Relative paths would be looked for beside the program.
-    let absolute = std::path::absolute(&path).map_err(|error| bad(error.to_string()))?;
+    let absolute = std::path::absolute(path).map_err(|error| bad(error.to_string()))?;
     fs::metadata(&absolute).map_err(|error| bad(error.to_string()))?;
     slot.insert(load(&absolute).map_err(bad)).clone()
 }
@@ -78,15 +93,19 @@ fn load(path: &Path) -> Result<Environment, String> {
 }
 
 /// The library that the environment variable names (there or not), else the first one in the usual folders. Nothing is loaded.
-///
-/// # Errors
-/// [`Error::NoLibrary`].
-pub fn find_library() -> Result<PathBuf, Error> {
-    if let Some(path) = env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
-        return Ok(path.into());
-    }
-    let folders = folders();
-    folders.iter().find_map(|folder| newest_in(folder)).ok_or(Error::NoLibrary { folders })
+#[must_use]
+pub fn find_library() -> Option<PathBuf> {
+    of_variable().or_else(in_folders)
+}
+
+/// The library that the environment variable names.
+fn of_variable() -> Option<PathBuf> {
+    env::var_os(VARIABLE).filter(|path| !path.is_empty()).map(PathBuf::from)
+}
+
+/// The first library in the usual folders.
+fn in_folders() -> Option<PathBuf> {
+    folders().iter().find_map(|folder| newest_in(folder))
 }
 
 /// Beside the program, the user's folder for data (also as `pip install --target` fills it), those of the system.
@@ -140,15 +159,5 @@ mod tests {
         fs::write(file("libonnxruntime.so"), "").unwrap();
         assert_eq!(newest_in(folder.path()), Some(file("libonnxruntime.so")));
         assert_eq!(newest_in(&file("missing")), None);
-    }
-
-    #[test]
-    fn a_missing_library_is_explained_with_one_command() {
-        let text = Error::NoLibrary { folders: vec!["/a".into(), "/b".into()] }.to_string();
-        assert!(text.contains("neither beside the program nor in /a, /b"), "{text}");
-        assert!(
-            text.contains("\n  python3 -m pip install") && text.contains("features.selection=response"),
-            "{text}"
-        );
     }
 }

@@ -1,16 +1,16 @@
 //! An ONNX model of images: the same input gives the same bits, for any number of threads. ONNX Runtime runs it, or, where that is
-//! not found, what the cargo feature `tract` builds in.
+//! not found, the built-in engine.
 
 use std::fmt;
 use std::path::Path;
 
 use geometry::GrayImage;
 
+use crate::built_in::BuiltIn;
 use crate::error::Error;
+use crate::library::Runner;
 use crate::onnx_runtime::Library;
 use crate::resize::Resizer;
-#[cfg(feature = "tract")]
-use crate::tract::BuiltIn;
 
 /// A loaded model with its buffers.
 pub struct ImageModel {
@@ -22,8 +22,7 @@ pub struct ImageModel {
 /// What runs the model.
 enum Engine {
     Library(Library),
-    #[cfg(feature = "tract")]
-    BuiltIn(BuiltIn),
+    BuiltIn(Box<BuiltIn>),
 }
 
 /// An input or output as the model describes it.
@@ -56,18 +55,37 @@ pub struct Output {
 
 impl ImageModel {
     /// Loads an ONNX model. `library` is the file of ONNX Runtime, by default the first one found; the first model of the
-    /// process decides. `threads` is the number of threads of a run, at least 1.
+    /// process decides. Where none is found the model runs on the built-in engine. `threads` is the number of threads of a run in
+    /// ONNX Runtime, at least 1; the built-in engine takes one.
     ///
     /// # Errors
-    /// No library that can be used, or no model.
+    /// A library that was named and cannot be used, no model, or one that does not run on the built-in engine.
     pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
-        let engine = match Library::load(model, library, threads) {
-            Ok(loaded) => Engine::Library(loaded),
-            #[cfg(feature = "tract")]
-            Err(Error::NoLibrary { .. }) => Engine::BuiltIn(BuiltIn::load(model)?),
-            Err(error) => return Err(error),
-        };
-        Ok(Self { engine, resizer: Resizer::default(), pixels: Vec::new() })
+        match Library::load(model, library, threads)? {
+            Some(loaded) => Ok(Self::on(Engine::Library(loaded))),
+            None => Self::built_in(model),
+        }
+    }
+
+    /// Loads an ONNX model that runs on the built-in engine.
+    ///
+    /// # Errors
+    /// No model, or one that does not run on the built-in engine.
+    pub(crate) fn built_in(model: &[u8]) -> Result<Self, Error> {
+        Ok(Self::on(Engine::BuiltIn(Box::new(BuiltIn::load(model)?))))
+    }
+
+    fn on(engine: Engine) -> Self {
+        Self { engine, resizer: Resizer::default(), pixels: Vec::new() }
+    }
+
+    /// What runs the model.
+    #[must_use]
+    pub fn runner(&self) -> Runner {
+        match &self.engine {
+            Engine::Library(_) => Runner::OnnxRuntime,
+            Engine::BuiltIn(_) => Runner::BuiltIn,
+        }
     }
 
     /// Names of the outputs, in order.
@@ -79,7 +97,6 @@ impl ImageModel {
     pub(crate) fn ports(&self) -> &Ports {
         match &self.engine {
             Engine::Library(library) => &library.ports,
-            #[cfg(feature = "tract")]
             Engine::BuiltIn(model) => &model.ports,
         }
     }
@@ -105,7 +122,6 @@ impl ImageModel {
         let shape = [1, channels, height, width];
         match &mut self.engine {
             Engine::Library(library) => library.run(shape, &self.pixels),
-            #[cfg(feature = "tract")]
             Engine::BuiltIn(model) => model.run(shape, &self.pixels),
         }
     }

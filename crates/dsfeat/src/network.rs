@@ -8,6 +8,7 @@ use features::{ActivationError, ActivationMap, ActivationSource, NetworkSize};
 use geometry::{GrayImage, Raster};
 
 use crate::error::Error;
+use crate::library::Runner;
 use crate::model::{ImageModel, Output, Port};
 
 /// Largest side of a network's input.
@@ -53,9 +54,16 @@ impl Network {
     /// two have that shape and the last one is a single number. `library` and `threads` as for [`ImageModel::load`].
     ///
     /// # Errors
-    /// No library that can be used, no model, or one with another input or other outputs.
+    /// As [`ImageModel::load`], or a model with another input or other outputs.
     pub fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
-        let model = ImageModel::load(model, library, threads)?;
+        Self::of(ImageModel::load(model, library, threads)?)
+    }
+
+    /// The network that a model is, if its input and outputs are those of [`Network::load`].
+    ///
+    /// # Errors
+    /// Another input or other outputs.
+    pub(crate) fn of(model: ImageModel) -> Result<Self, Error> {
         let ports = model.ports();
         let [input] = &ports.inputs[..] else {
             return Err(wrong("the number of inputs", ports.inputs.len(), "1"));
@@ -76,6 +84,12 @@ impl Network {
             .flatten()
             .try_for_each(|i| check_output(&ports.outputs[i]))?;
         Ok(Self { input, outputs, model: Mutex::new(model) })
+    }
+
+    /// What runs the network.
+    #[must_use]
+    pub fn runner(&self) -> Runner {
+        self.model.lock().unwrap_or_else(PoisonError::into_inner).runner()
     }
 
     /// The same with images of this size, if the model leaves it open.
@@ -103,7 +117,7 @@ impl Network {
     /// proportions, which an input of open size follows.
     ///
     /// # Errors
-    /// An empty image, a failure of ONNX Runtime, or an output that is not a map.
+    /// An empty image, a failure of the model, or an output that is not a map.
     pub fn answers(&self, image: &GrayImage) -> Result<Answers, Error> {
         let mut model = self.model.lock().unwrap_or_else(PoisonError::into_inner);
         let size = self.input_size(image.width, image.height);

@@ -17,12 +17,13 @@ pub(crate) struct Library {
 }
 
 impl Library {
-    /// Loads a model; arguments as for [`ImageModel::load`](crate::ImageModel::load).
+    /// Loads a model; arguments as for [`ImageModel::load`](crate::ImageModel::load). `None` where no library was named and
+    /// none that can be used was found.
     ///
     /// # Errors
-    /// No library that can be used, or no model.
-    pub(crate) fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self, Error> {
-        let environment = library::environment(library)?;
+    /// A library that was named and cannot be used, or no model.
+    pub(crate) fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Option<Self>, Error> {
+        let Some(environment) = library::environment(library)? else { return Ok(None) };
         let session = Session::builder(&environment)
             .map_err(bad_model)?
             .with_optimization_level(GraphOptimizationLevel::All)
@@ -37,7 +38,7 @@ impl Library {
             .map_err(bad_model)?;
         let ports = |outlets: &[Outlet]| outlets.iter().map(port).collect();
         let ports = Ports { inputs: ports(session.inputs()), outputs: ports(session.outputs()) };
-        Ok(Self { session, ports })
+        Ok(Some(Self { session, ports }))
     }
 
     /// Runs on one tensor of this shape; returns all outputs, in order.

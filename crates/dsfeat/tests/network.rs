@@ -1,7 +1,5 @@
-//! Networks on ONNX Runtime: known answers of tiny models, the same bits for any number of threads, refusals.
-//!
-//! Where ONNX Runtime is not installed these tests say so and check nothing.
-#![allow(clippy::print_stdout, reason = "a skipped test says so")]
+//! Networks on ONNX Runtime, or where that is not installed on the built-in engine: known answers of tiny models, the same bits for
+//! any number of threads, refusals. `built_in.rs` tests the built-in engine on every machine.
 
 use std::path::Path;
 
@@ -18,25 +16,13 @@ fn file(name: &str) -> Vec<u8> {
     std::fs::read(path).expect("the file is part of the repository")
 }
 
-/// What loading gives; `None`, said aloud, without ONNX Runtime.
-fn load(model: &[u8], threads: usize) -> Option<Result<Network, Error>> {
-    match Network::load(model, None, threads) {
-        Err(Error::NoLibrary { .. }) => {
-            println!("skipped: ONNX Runtime is not installed");
-            None
-        }
-        other => Some(other),
-    }
-}
-
 fn image(width: usize, height: usize) -> GrayImage {
     GrayImage::from_fn(width, height, |x, y| ((x * 7 + y * 13 + x * y / 5) % 256) as u8)
 }
 
 #[test]
 fn the_map_is_what_the_model_computes_of_the_image() {
-    let Some(network) = load(&file("mean_4.onnx"), 1) else { return };
-    let network = network.unwrap();
+    let network = Network::load(&file("mean_4.onnx"), None, 1).unwrap();
     assert_eq!(network.input_size(640, 480), (64, 32));
     let image = image(64, 32);
     let map = network.answers(&image).unwrap().map;
@@ -53,8 +39,7 @@ fn the_map_is_what_the_model_computes_of_the_image() {
 
 #[test]
 fn an_image_of_any_size_is_covered_from_corner_to_corner() {
-    let Some(network) = load(&file("mean_4.onnx"), 1) else { return };
-    let network = network.unwrap();
+    let network = Network::load(&file("mean_4.onnx"), None, 1).unwrap();
     for (width, height) in [(1241, 376), (640, 480), (20, 10)] {
         let bright_below = GrayImage::from_fn(width, height, |_, y| if y < height / 2 { 0 } else { 255 });
         let map = network.answers(&bright_below).unwrap().map;
@@ -65,7 +50,7 @@ fn an_image_of_any_size_is_covered_from_corner_to_corner() {
 
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
-    let Some(network) = load(BUILT_IN, 1) else { return };
+    let network = Network::load(BUILT_IN, None, 1);
     let image = image(1241, 376);
     let once = network.unwrap().answers(&image).unwrap();
     for threads in [1, 2, 4] {
@@ -78,8 +63,7 @@ fn the_same_bits_for_any_number_of_threads() {
 
 #[test]
 fn the_built_in_model_sees_images_in_their_own_proportions_and_gives_two_answers() {
-    let Some(network) = load(BUILT_IN, 1) else { return };
-    let network = network.unwrap();
+    let network = Network::load(BUILT_IN, None, 1).unwrap();
     let sizes = [(1241, 376), (640, 480), (752, 480), (100, 400)];
     let inputs = sizes.map(|(width, height)| network.input_size(width, height));
     assert_eq!(inputs, [(416, 128), (272, 192), (272, 192), (112, 464)]);
@@ -101,7 +85,7 @@ fn the_built_in_model_sees_images_in_their_own_proportions_and_gives_two_answers
 
 #[test]
 fn other_models_are_refused() {
-    let Some(first) = load(&file("colour.onnx"), 1) else { return };
+    let first = Network::load(&file("colour.onnx"), None, 1);
     let refusal = |result: Result<Network, Error>| result.unwrap_err().to_string();
     let text = refusal(first);
     assert!(text.starts_with("cannot be used as a model: input image is"), "{text}");
@@ -118,8 +102,7 @@ fn other_models_are_refused() {
 
 #[test]
 fn a_map_of_what_is_no_number_is_refused() {
-    let Some(network) = load(&file("not_a_number.onnx"), 1) else { return };
-    let network = network.unwrap();
+    let network = Network::load(&file("not_a_number.onnx"), None, 1).unwrap();
     assert!(network.answers(&GrayImage::new(64, 32, 9)).is_ok());
     let error = network.answers(&GrayImage::new(64, 32, 0)).unwrap_err().to_string();
     assert!(error.starts_with("the network failed: its output"), "{error}");

@@ -2,7 +2,7 @@
 # Renders the towns, decodes all datasets and computes triplets, motion labels and the teachers' outlines into $DSFEAT_CACHE.
 # Finished parts are skipped. ONLY=two prepares only what the network with two answers needs.
 # Usage: DSFEAT_TRAINING=... DSSLAM_DATA=... DSFEAT_TOWNS=... DSFEAT_CACHE=... ./prepare.sh WEIGHTS
-# FRAMES=30 renders at most that many frames of each town: a quick trial of all steps.
+# FRAMES=30 takes at most that many frames of each town and of each folder that the teachers outline: a quick trial of all steps.
 set -eu
 weights=$1
 python=${PYTHON:-python}
@@ -32,8 +32,8 @@ two() { # every n-th frame of a rendered town
     for drive in kittiraw_0926_0009 kitti_alike sfnd_kitti_mono78_rgb; do
         images="$images $DSFEAT_TRAINING/kitti_pseudo/$drive/image" maps="$maps $outlines/$drive"
     done
-    "$python" -m dsfeat.teachers --teachers "$DSFEAT_TRAINING/teachers" --images $images --out $maps
-    [ -e "$DSFEAT_CACHE/streets.done" ] || "$python" -m dsfeat.streets --outlines "$outlines" --states "$(dirname "$0")/states.csv" --step "$1"
+    "$python" -m dsfeat.teachers --teachers "$DSFEAT_TRAINING/teachers" --images $images --out $maps --most "$most"
+    [ -e "$DSFEAT_CACHE/streets.done" ] || "$python" -m dsfeat.streets --outlines "$outlines" --states "$(dirname "$0")/states.csv" --step "$1" --most "$most"
     touch "$DSFEAT_CACHE/streets.done"
 }
 if [ "${ONLY:-}" = two ]; then

@@ -17,6 +17,7 @@ pub struct NetworkOptions {
     /// File of a network (ONNX: gray image in, activation map out); `None`: the one that is part of the library.
     pub model: Option<PathBuf>,
     /// ONNX Runtime's library; `None`: the one of `ORT_DYLIB_PATH`, beside the program, in `~/.local/share/dsslam` or of the system.
+    /// Without one the network runs on the built-in engine, several times slower.
     pub library: Option<PathBuf>,
 }
 

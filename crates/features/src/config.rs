@@ -112,7 +112,7 @@ impl Section for ExtractorConfig {
     const KEYS: &'static [Entry] = &[
         integer("features.keep", "", [50, 100_000], "keypoints kept per image"),
         optional_integer("features.keep_mono", "", [50, 100_000], "keypoints kept per image of a single camera, whose maps need more; absent: keep"),
-        choice("features.selection", SelectionRule::WORDS, "criterion by which keypoints are kept; the first two need ONNX Runtime"),
+        choice("features.selection", SelectionRule::WORDS, "criterion by which keypoints are kept; the first two evaluate the network"),
         integer("features.candidates", "", [50, 100_000], "keypoints from which activation or semantic choose").expert(),
         choice("features.spread", Spread::WORDS, "where activation or semantic keep the best: in each cell, or anywhere in the image").expert(),
         choice("features.network_size", NetworkSize::WORDS, "pixels of the network's input: as many as 416 x 128, or as 320 x 96").expert(),

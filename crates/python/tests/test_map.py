@@ -62,7 +62,6 @@ def test_results_tell_of_each_frame(done, frames):
 
 
 def test_activation_is_a_map_between_0_and_1(frames):
-    pytest.importorskip("onnxruntime", reason="ONNX Runtime is not installed: the network is skipped")
     _, left, _ = frames[0]
     activation = dsslam.activation(left)
     assert activation.ndim == 2 and activation.min() >= 0 and activation.max() <= 1

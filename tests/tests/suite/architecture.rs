@@ -55,6 +55,7 @@ const HEAVY: &[(&str, &str)] = &[
     ("faer", "crates/optim"),
     ("clarabel", "crates/optim"),
     ("ort", "crates/dsfeat"),
+    ("rten", "crates/dsfeat"),
     ("pyo3", "crates/python"),
 ];
 

@@ -65,15 +65,6 @@ pub(crate) fn ended(output: Output) -> Call {
     call
 }
 
-/// Whether a call was refused because ONNX Runtime is not installed; then it says that the test is skipped.
-pub(crate) fn needs_onnxruntime(call: &Call) -> bool {
-    let missing = call.code == 2 && call.stderr.contains("was found neither beside the program");
-    if missing {
-        println!("skipped: ONNX Runtime is not installed");
-    }
-    missing
-}
-
 /// `summary.json` of a results folder.
 pub(crate) fn summary(results: &Path) -> serde_json::Value {
     let path = results.join("summary.json");

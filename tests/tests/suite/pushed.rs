@@ -5,7 +5,7 @@ use std::path::Path;
 
 use dsslam::{Camera, Config, Images, Input, InputOptions, Schedule, Slam, SlamOptions};
 
-use crate::program::{dsslam, needs_onnxruntime, summary, text};
+use crate::program::{dsslam, summary, text};
 use crate::real_data::real;
 use crate::root;
 use crate::sequence::rendered;
@@ -19,11 +19,7 @@ fn compare(sequence: &Path, config: Option<&str>, max_frames: usize, schedule: S
     let mut args = vec!["run", text(sequence), "--out", text(&out), "--max-frames", &n];
     args.extend(sets.iter().flat_map(|set| ["--set", set]));
     args.extend(file.iter().flat_map(|file| ["--config", text(file)]));
-    let call = dsslam(&args);
-    if needs_onnxruntime(&call) {
-        return;
-    }
-    call.expect_success();
+    dsslam(&args).expect_success();
 
     let config = Config::load(file.as_deref(), &sets.map(str::to_owned)).unwrap();
     let input = Input::open(sequence, &config, &InputOptions::default()).unwrap();

@@ -14,7 +14,7 @@ pub(crate) struct NetworkArgs {
     #[arg(long, value_name = "FILE", help_heading = "Network")]
     pub(crate) dsfeat_model: Option<PathBuf>,
     /// ONNX Runtime's library [default: ORT_DYLIB_PATH, else libonnxruntime.so beside the program, in
-    /// ~/.local/share/dsslam or in the system folders].
+    /// ~/.local/share/dsslam or in the system folders; without it the network runs several times slower].
     #[arg(long, value_name = "FILE", help_heading = "Network")]
     pub(crate) onnxruntime: Option<PathBuf>,
 }

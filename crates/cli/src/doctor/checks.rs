@@ -4,6 +4,7 @@ use std::env;
 use std::path::Path;
 
 use bow::Vocabulary;
+use dsfeat::Runner;
 
 use super::{Finding, probe};
 
@@ -65,22 +66,26 @@ fn data() -> Finding {
 }
 
 fn onnx_runtime() -> Finding {
-    let remedy = format!("{}\nor set ORT_DYLIB_PATH to a library", dsfeat::INSTALL);
-    match dsfeat::find_library() {
-        Ok(library) if library.is_file() => Finding::ok("ONNX Runtime", library.display().to_string()),
-        Ok(library) => {
-            Finding::optional("ONNX Runtime", format!("{}: no such file", library.display()), remedy)
+    let found = |what: &str| format!("{what}: the network runs without it, several times slower");
+    let (text, is_used) = match (dsfeat::find_library(), dsfeat::runner(None)) {
+        (Some(library), Ok(Runner::OnnxRuntime)) => (library.display().to_string(), true),
+        (Some(library), Ok(Runner::BuiltIn)) => {
+            (found(&format!("{} cannot be used", library.display())), false)
         }
-        Err(_) if dsfeat::runner(None).is_ok() => Finding::optional(
+        (None, _) => (found("not found"), false),
+        (_, Err(dsfeat::Error::BadLibrary { path, reason })) => {
+            (format!("{}: {reason} (ORT_DYLIB_PATH)", path.display()), false)
+        }
+        (_, Err(error)) => (error.to_string(), false),
+    };
+    if is_used {
+        Finding::ok("ONNX Runtime", text)
+    } else {
+        Finding::optional(
             "ONNX Runtime",
-            "not found: the network runs without it, several times slower",
-            remedy,
-        ),
-        Err(_) => Finding::optional(
-            "ONNX Runtime",
-            "not found: feature selection by activation is unavailable",
-            remedy,
-        ),
+            text,
+            format!("{}\nor set ORT_DYLIB_PATH to a library", dsfeat::INSTALL),
+        )
     }
 }
 

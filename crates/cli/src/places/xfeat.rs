@@ -53,7 +53,7 @@ impl DenseNetwork {
     /// `reliability` (1) at an eighth of its size. `library` and `threads` as for [`ImageModel::load`].
     ///
     /// # Errors
-    /// No library that can be used, no model, or one with other outputs.
+    /// As [`ImageModel::load`], or a model with other outputs.
     pub(super) fn load(model: &[u8], library: Option<&Path>, threads: usize) -> Result<Self> {
         let model = ImageModel::load(model, library, threads)?;
         for expected in ["descriptors", "keypoint_logits", "reliability"] {
@@ -70,7 +70,7 @@ impl DenseNetwork {
     /// The features of an image of at least 32 x 32 pixels.
     ///
     /// # Errors
-    /// A smaller image, a failure of ONNX Runtime, or outputs of other shapes.
+    /// A smaller image, a failure of the model, or outputs of other shapes.
     pub(super) fn describe(&mut self, image: &GrayImage) -> Result<DenseFeatures> {
         let down = |side: usize| side / MULTIPLE * MULTIPLE;
         let (width, height) = (down(image.width), down(image.height));

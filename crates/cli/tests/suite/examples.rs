@@ -5,8 +5,8 @@ use std::process::Command;
 
 use super::support::{Call, all_commands, ended, help, program_folder, sandbox};
 
-/// Programs and libraries that a machine may lack; an example that says that it needs one is not held against the program.
-const MAY_BE_MISSING: [&str; 3] = ["ONNX Runtime", "dsslam-rerun", "dsslam-video"];
+/// Programs that a machine may lack; an example that says that it needs one is not held against the program.
+const MAY_BE_MISSING: [&str; 2] = ["dsslam-rerun", "dsslam-video"];
 
 /// The lines below `Examples:` that call the program.
 fn examples(text: &str) -> Vec<String> {

@@ -42,10 +42,6 @@ fn features_kept_and_dropped_by_a_selection_are_counted_and_drawn() {
     let args = ["inspect", "features", "kitti/sequences/06", "--set", "features.selection=activation"];
     let args = [&args[..], &["--set", "features.keep=300", "-o", "f.png"]].concat();
     let Call { code, stdout, stderr } = dsslam_in(dir.path(), &args);
-    if code == Some(2) && stderr.contains("ONNX Runtime") {
-        println!("skipped: ONNX Runtime is not installed");
-        return;
-    }
     assert_eq!(code, Some(0), "{stderr}");
     let [kept, dropped] =
         ["kept", "dropped"].map(|name| first_number(&value(&stdout, name).replace(',', " ")));

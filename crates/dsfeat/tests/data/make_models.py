@@ -23,3 +23,6 @@ shape = helper.make_node("Flatten", ["image"], ["activation"])
 model("flat", [shape], [image], [("activation", [1, 2048])])
 two = helper.make_node("Add", ["image", "other"], ["activation"])
 model("two_inputs", [two], [image, ("other", [1, 1, 32, 64])], [("activation", [1, 1, 32, 64])])
+# An operator that only ONNX Runtime has.
+normalize = helper.make_node("LRN", ["mean"], ["activation"], size=3)
+model("normalized", [pool("image", "mean", 4), normalize], [image], [("activation", [1, 1, 8, 16])])

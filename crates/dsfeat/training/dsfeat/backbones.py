@@ -1,6 +1,8 @@
 """Compares segmentation backbones at 256x256 with the semantic loss only (the paper's table of backbones).
 
-    python -m dsfeat.backbones --cache CACHE --json backbones.json [--steps 400]
+    python -m dsfeat.backbones --cache CACHE --json backbones.json [--steps 200]
+
+Each result is written as soon as it is there; what the file already has from as many steps is not trained again.
 
 Small versions of SegNet (pooling indices), U-Net (four down-samplings) and DeepLab v3 (dilated pyramid), each with about
 the same width, trained equally long on CamVid or Cityscapes (static/dynamic), and our network. IoU is the mean over
@@ -130,7 +132,7 @@ def train(network: nn.Module, scenes: Scenes, steps: int, batch: int, seed: int)
         flips = rng.random(batch) < 0.5
         images = np.stack([light(rng, p[0][:, ::-1] if f else p[0]) for p, f in zip(pairs, flips)])
         maps = torch.from_numpy(np.stack([p[1][:, ::-1] if f else p[1] for p, f in zip(pairs, flips)]))
-        logits = network(torch.from_numpy(images)[:, None])
+        logits = network(torch.from_numpy(images)[:, None].contiguous(memory_format=torch.channels_last))
         maps = F.interpolate(maps[:, None].float(), size=logits.shape[2:], mode="nearest")[:, 0]
         loss = losses.semantic(logits, maps, 1.0)
         optimiser.zero_grad(set_to_none=True)
@@ -162,7 +164,8 @@ def measure(network: nn.Module, scenes: Scenes, limit: int) -> dict[str, float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--steps", type=int, default=400, help="optimisation steps per backbone and data set")
+    parser.add_argument("--steps", type=int, default=200, help="optimisation steps per backbone and data set")
+    parser.add_argument("--only", nargs="*", choices=list(BACKBONES), default=list(BACKBONES), help="backbones to train")
     parser.add_argument("--batch", type=int, default=8)
     parser.add_argument("--limit", type=int, default=200, help="frames to evaluate per data set")
     parser.add_argument("--seed", type=int, default=1)
@@ -171,20 +174,23 @@ def main() -> None:
     args = parser.parse_args()
     need(parser, args, "cache")
     torch.set_num_threads(1)
-    found: dict[str, dict] = {}
+    found: dict[str, dict] = json.loads(args.json.read_text()) if args.json and args.json.is_file() else {}
     for data, validation in (("camvid_train", "camvid_test"), ("cityscapes_train", "cityscapes_val")):
+        missing = [name for name in args.only if found.get(validation, {}).get(name, {}).get("steps") != args.steps]
+        if not missing:
+            continue
         scenes, held_out = load(data, args.cache), load(validation, args.cache)
-        for name, kind in BACKBONES.items():
+        for name in missing:
             torch.manual_seed(args.seed)
-            network = kind()
+            network = BACKBONES[name]().to(memory_format=torch.channels_last)
             train(network, scenes, args.steps, args.batch, args.seed)
-            result = measure(network, held_out, args.limit)
+            result = measure(network, held_out, args.limit) | {"steps": args.steps}
             result["parameters"] = sum(p.numel() for p in network.parameters())
             result["gflop"] = 2e-9 * multiply_adds(network, SIZE, SIZE)
             found.setdefault(validation, {})[name] = {k: round(v, 4) for k, v in result.items()}
             print(f"{validation:15} {name:11}", " ".join(f"{k} {v:.3f}" for k, v in result.items()), flush=True)
-    if args.json:
-        args.json.write_text(json.dumps(found, indent=1) + "\n")
+            if args.json:
+                args.json.write_text(json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -95,6 +95,13 @@ def collect(name: str, source: str, pairs: list[tuple[Path, Path]], size: tuple[
     return Scenes(name, images, stability(labels, source), labels, aspect)
 
 
+def spread(paths: list[Path], most: int | None) -> list[Path]:
+    """At most `most` of the paths, evenly spread; all of them without a limit."""
+    if most is None or most >= len(paths):
+        return paths
+    return [paths[i] for i in np.linspace(0, len(paths) - 1, most).round().astype(int)]
+
+
 def pairs_of(folder: Path) -> list[tuple[Path, Path]]:
     """Labelled images of a folder with `image/` and `label/`, by name."""
     return [(folder / "image" / p.name, p) for p in sorted((folder / "label").glob("*.webp"))]

@@ -18,7 +18,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from .data import DYNAMIC_CLASSES, IGNORED_CLASSES, add_folders, need, read_classes, read_grey, resize_pair
+from .data import DYNAMIC_CLASSES, IGNORED_CLASSES, add_folders, need, read_classes, read_grey, resize_pair, spread
 
 IGNORED, STILL, STANDING, MOVING, VEHICLE = range(5)
 #: Values of the motion labels (`motion/`).
@@ -219,11 +219,11 @@ def looked(source: str, training: Path, states: dict) -> Frames:
     return collect(f"{source}_looked", source, rows)
 
 
-def pseudo(training: Path, outlines: Path, states: dict) -> Frames:
-    """The pseudo-labeled KITTI drives that come with images, outlined by the teachers."""
+def pseudo(training: Path, outlines: Path, states: dict, most: int | None = None) -> Frames:
+    """The pseudo-labeled KITTI drives that come with images, outlined by the teachers; at most `most` frames of each."""
     rows = []
     for name, drive in PSEUDO.items():
-        for path in sorted((training / "kitti_pseudo" / name / "image").glob("*.webp")):
+        for path in spread(sorted((training / "kitti_pseudo" / name / "image").glob("*.webp")), most):
             codes = vote_codes(read_classes(outlines / name / f"{path.stem}.png"))
             label = f"kitti_pseudo/{name}/label/{path.name}"
             theirs = cv2.resize(read_classes(training / label), codes.shape[::-1], interpolation=cv2.INTER_NEAREST)
@@ -232,10 +232,10 @@ def pseudo(training: Path, outlines: Path, states: dict) -> Frames:
     return collect("pseudo", "kitti", rows)
 
 
-def motion(source: str, training: Path, outlines: Path) -> Frames:
-    """Real frames with motion labels, outlined by the teachers."""
+def motion(source: str, training: Path, outlines: Path, most: int | None = None) -> Frames:
+    """Real frames with motion labels, outlined by the teachers; at most `most` of them."""
     rows = []
-    for path in sorted((training / "motion" / "train" / source / "label").glob("*.webp")):
+    for path in spread(sorted((training / "motion" / "train" / source / "label").glob("*.webp")), most):
         label, vote = read_classes(path), read_classes(outlines / source / f"{path.stem}.png")
         codes = (with_mover if source == "davis" else with_motion)(vote_codes(vote), label)
         rows.append((path.parent.parent / "image" / path.name, codes, drive_of(path.stem)))
@@ -302,6 +302,7 @@ def main() -> None:
     parser.add_argument("--outlines", type=Path, required=True, help="folder of the teachers' maps, one folder for each source")
     parser.add_argument("--states", type=Path, help="list of vehicles that were looked at")
     parser.add_argument("--step", type=int, default=4, help="use every n-th frame of a rendered town")
+    parser.add_argument("--most", type=int, help="use at most this many of each folder of outlined frames, as dsfeat.teachers does")
     parser.add_argument("--only", nargs="*", help="names of sets to build")
     add_folders(parser)
     args = parser.parse_args()
@@ -315,8 +316,8 @@ def main() -> None:
     }
     if states:
         jobs["cityscapes256_looked"] = lambda: looked("cityscapes256", args.training, states)
-    jobs["pseudo"] = lambda: pseudo(args.training, args.outlines, states)
-    jobs.update({source: lambda s=source: motion(s, args.training, args.outlines) for source in MOTION})
+    jobs["pseudo"] = lambda: pseudo(args.training, args.outlines, states, args.most)
+    jobs.update({source: lambda s=source: motion(s, args.training, args.outlines, args.most) for source in MOTION})
     jobs["dev"] = lambda: labeled("dev", args.training, args.sequences)
     jobs.update({f"labeled_{source}": lambda s=source: labeled(s, args.training, args.sequences) for source in MOTION})
     jobs.update({n: lambda n=n: traffic(n, args.towns, TRAFFIC_STEP) for n in ("traffic", "traffic_dev")})

@@ -12,7 +12,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from .data import DYNAMIC_CLASSES
+from .data import DYNAMIC_CLASSES, spread
 from .runtime import session
 
 #: Files of the teachers: two tiled networks (TensorFlow Lite) with their dynamic classes, and a whole-frame one (ONNX).
@@ -100,7 +100,7 @@ def main() -> None:
     parser.add_argument("--images", type=Path, required=True, nargs="+", help="folders of images")
     parser.add_argument("--teachers", type=Path, required=True, help="folder of the three segmenters")
     parser.add_argument("--out", type=Path, required=True, nargs="+", help="folders of maps, one for each of --images")
-    parser.add_argument("--step", type=int, default=1, help="use every n-th image")
+    parser.add_argument("--most", type=int, help="use at most this many images of a folder, evenly spread")
     args = parser.parse_args()
     if len(args.images) != len(args.out):
         parser.error("--images and --out need as many folders")
@@ -108,7 +108,7 @@ def main() -> None:
     vote = Vote(args.teachers)
     for folder, out in zip(args.images, args.out):
         out.mkdir(parents=True, exist_ok=True)
-        for path in sorted(p for p in folder.iterdir() if p.suffix in (".png", ".jpg", ".webp"))[:: args.step]:
+        for path in spread(sorted(p for p in folder.iterdir() if p.suffix in (".png", ".jpg", ".webp")), args.most):
             if not (out / f"{path.stem}.png").is_file():
                 image = cv2.cvtColor(cv2.imread(str(path), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
                 cv2.imwrite(str(out / f"{path.stem}.png"), vote(image))

@@ -1,5 +1,7 @@
 """Label maps, augmentation, metrics."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -60,3 +62,9 @@ def test_tally_of_known_values():
     tally.add(activation, np.array([[True, False, True, False]]), np.array([[False, True, False, True]]))
     assert tally.auc() == 0.75
     assert tally.iou() == (1 / 3, 1 / 3)
+
+
+def test_a_limit_spreads_frames_over_the_folder():
+    paths = [Path(f"{i}.png") for i in range(9)]
+    assert data.spread(paths, None) == data.spread(paths, 9) == paths
+    assert data.spread(paths, 3) == [paths[0], paths[4], paths[8]]

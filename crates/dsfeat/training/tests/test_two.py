@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+import onnx
 import pytest
 import torch
 
@@ -45,6 +46,10 @@ def test_places_of_a_window_are_those_of_the_frame():
     whole = places(torch.tensor([[0.0, 0.0, 1.0, 1.0]]), 4, 8)
     right = places(torch.tensor([[0.5, 0.5, 0.5, 0.5]]), 2, 4)
     assert torch.allclose(whole[:, :, 2:, 4:], right)
+
+
+def test_places_without_a_window_are_those_of_the_whole_frame():
+    assert torch.equal(places(None, 5, 7), places(torch.tensor([[0.0, 0.0, 1.0, 1.0]]), 5, 7))
 
 
 def test_teachers_tiles_cover_the_frame():
@@ -124,6 +129,13 @@ def test_the_export_gives_pytorchs_answers(tmp_path):
     two_export.export_onnx(network, tmp_path / "two.onnx")
     for aspect in (3.3, 1.5):
         assert two_export.compare(network, tmp_path / "two.onnx", size_for(aspect, PIXELS["small"])) < 1e-4
+    graph = onnx.load(str(tmp_path / "two.onnx")).graph
+    constants = {n.output[0]: n.attribute[0].t for n in graph.node if n.op_type == "Constant"} | {i.name: i for i in graph.initializer}
+    neutral = {"Mul": 1.0, "Div": 1.0, "Add": 0.0, "Sub": 0.0}
+    for node in graph.node:
+        for name in set(node.input) & set(constants) if node.op_type in neutral else ():
+            values = onnx.numpy_helper.to_array(constants[name])
+            assert (values != neutral[node.op_type]).any(), f"{node.name}: an engine may drop it, though it raises the rank"
 
 
 def test_unknown_settings_are_refused(tmp_path):

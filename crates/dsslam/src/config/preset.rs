@@ -84,9 +84,6 @@ impl Config {
     /// The built-in configuration that goes with the layout of a folder, with overrides (`key=value`) above it; the defaults where
     /// there is none.
     ///
-    /// Where no network can run features are selected by their response where a built-in configuration would select them by activation and
-    /// no override does.
-    ///
     /// # Errors
     /// Everything that is wrong with the overrides.
     pub fn for_sequence(folder: impl AsRef<Path>, overrides: &[String]) -> Result<Chosen, ConfigErrors> {
@@ -105,42 +102,25 @@ impl Config {
         network: &NetworkOptions,
     ) -> Result<Chosen, ConfigErrors> {
         let preset = folder.filter(|_| file.is_none()).and_then(for_layout);
-        let mut config = match preset {
+        let config = match preset {
             Some(preset) => Self::of_text(preset.name, preset.text, overrides)?,
             None => Self::load(file, overrides)?,
         };
-        let is_built_in =
-            preset.is_some() || file.is_some_and(|file| !file.is_file() && find(file).is_some());
-        let notices = match dsfeat::runner(network.library.as_deref()) {
-            Err(_) if is_built_in && network.library.is_none() => config.without_network(),
-            Ok(Runner::BuiltIn) if config.features.selection != SelectionRule::Response => vec![format!(
-                "ONNX Runtime was not found, so the network runs on what is built in, several times slower; {}",
-                dsfeat::INSTALL
-            )],
-            _ => Vec::new(),
-        };
+        let notices = network_notice(&config, network).into_iter().collect();
         Ok(Chosen { config, preset: preset.map(|preset| preset.name), notices })
     }
+}
 
-    /// Selects by response, with the default number of features, unless an override wants it otherwise.
-    fn without_network(&mut self) -> Vec<String> {
-        let is_given = |key: &str, config: &Self| matches!(config.provenance(key), Provenance::Override(_));
-        if self.features.selection == SelectionRule::Response || is_given("features.selection", self) {
-            return Vec::new();
-        }
-        let defaults = Self::default();
-        self.features.selection = SelectionRule::Response;
-        self.origins.set("features.selection", Provenance::Default);
-        if !is_given("features.keep", self) {
-            self.features.keep = defaults.features.keep;
-            self.origins.set("features.keep", Provenance::Default);
-        }
-        vec![format!(
-            "ONNX Runtime was not found, so {} features are selected by response instead of by activation; {}",
-            self.features.keep,
+/// What the user should know of what runs the network: nothing where it is ONNX Runtime or no network is wanted.
+fn network_notice(config: &Config, network: &NetworkOptions) -> Option<String> {
+    let is_wanted = config.features.selection != SelectionRule::Response;
+    let runner = is_wanted.then(|| dsfeat::runner(network.library.as_deref()));
+    matches!(runner, Some(Ok(Runner::BuiltIn))).then(|| {
+        format!(
+            "ONNX Runtime was not found, so the network runs on the built-in engine, several times slower; {}",
             dsfeat::INSTALL
-        )]
-    }
+        )
+    })
 }
 
 /// The built-in configuration that goes with what lies in a folder.
@@ -189,20 +169,5 @@ mod tests {
         assert_eq!(chosen("rgbd_dataset_freiburg1_desk").config, Config::preset("tum-rgbd").unwrap());
         assert_eq!(chosen("rgbd_dataset_freiburg2_desk").preset, None);
         assert_eq!(chosen("nowhere").config, Config::default());
-    }
-
-    #[test]
-    fn without_the_library_response_selects_unless_somebody_wants_it_otherwise() {
-        let of = |overrides: &[&str]| {
-            let overrides: Vec<String> = overrides.iter().map(|s| (*s).to_owned()).collect();
-            let (name, text) = find(Path::new("kitti")).unwrap();
-            let mut config = Config::of_text(name, text, &overrides).unwrap();
-            let notices = config.without_network().len();
-            (notices, config.features.selection, config.features.keep)
-        };
-        assert_eq!(of(&[]), (1, SelectionRule::Response, 2000));
-        assert_eq!(of(&["features.keep=700"]), (1, SelectionRule::Response, 700));
-        assert_eq!(of(&["features.selection=semantic"]), (0, SelectionRule::Semantic, 500));
-        assert_eq!(of(&["features.selection=response"]), (0, SelectionRule::Response, 500));
     }
 }

@@ -20,6 +20,7 @@ bits, those of the program ``dsslam``, except with the schedules ``live`` and ``
 import importlib.util
 import os
 import pathlib
+import re
 import sys
 import threading
 
@@ -57,12 +58,12 @@ __all__ = [
 
 
 def _onnxruntime():
-    """The library in the package ``onnxruntime``, which need not be imported for that; None if it is not installed."""
+    """The library in the package ``onnxruntime``, which need not be imported for that; None if it is missing or too old."""
     spec = importlib.util.find_spec("onnxruntime")
     for folder in (spec.submodule_search_locations or []) if spec else []:
-        found = sorted(pathlib.Path(folder, "capi").glob("libonnxruntime.so*"))
-        if found:
-            return str(found[-1])
+        for file in sorted(pathlib.Path(folder, "capi").glob("libonnxruntime.so.*"), reverse=True):
+            if tuple(int(part) for part in re.findall(r"\d+", file.name)[:2]) >= (1, 24):
+                return str(file)
     return None
 
 
