@@ -4,12 +4,15 @@ use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
 use anyhow::{Result, anyhow, ensure};
-use synth::{World, WriteOptions, write_euroc, write_kitti};
+use synth::{SpotTurns, World, WriteOptions, write_euroc, write_kitti};
 
 use crate::args::{LayoutArg, SynthArgs, WorldArgs};
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::stop;
+
+/// Where the camera turns on the spot, meters.
+const TURN_AFTER_M: f64 = 40.0;
 
 /// Renders the world and writes it.
 ///
@@ -57,7 +60,8 @@ pub(crate) fn world(args: &WorldArgs) -> Result<World> {
             args.preset
         );
     }
-    let world = World::new(args.preset, args.seed, args.rounds);
+    let turns = SpotTurns { after_m: TURN_AFTER_M, by_deg: args.turns.clone() };
+    let world = World::turning(args.preset, args.seed, args.rounds, turns);
     Ok(if args.relight { world.relit() } else { world })
 }
 

@@ -2,6 +2,7 @@
 
 use events::FrameState;
 use serde_json::Value;
+use slam::QualityReason;
 
 use crate::events::{Event, FrameAnswer};
 use crate::record::{LoopRecord, LoopResult};
@@ -54,6 +55,8 @@ impl Words {
 pub struct Narrator {
     /// Of the last frame that could be used; `None` before the first frame.
     state: Option<FrameState>,
+    /// Whether one camera turned on the spot in it.
+    turning: bool,
 }
 
 impl Narrator {
@@ -72,7 +75,15 @@ impl Narrator {
         let (frame, now) = (answer.index, answer.status.state());
         let reason = answer.status.reason().unwrap_or_default();
         let of = |weight, event, text: String| Some(Words::new(weight, event, text).with("frame", frame));
+        let turning = answer.assessment.reasons.contains(&QualityReason::TurningOnTheSpot);
         let words = match (self.state.unwrap_or(NotReady), now) {
+            (_, Tracked) if turning && !self.turning => {
+                let text = "only the rotation is tracked, the position is held";
+                of(Weight::Info, "turning", format!("turning on the spot at frame {frame}: {text}"))
+            }
+            (_, Tracked) if self.turning && !turning => {
+                of(Weight::Info, "position_again", format!("position known again at frame {frame}"))
+            }
             (_, Dropped) => of(Weight::Warning, "dropped", format!("frame {frame} dropped: {reason}")),
             (Tracked, Lost) => of(Weight::Warning, "lost", format!("lost at frame {frame}: {reason}")),
             (Lost, Tracked) => of(Weight::Info, "tracking_again", format!("tracking again at frame {frame}")),
@@ -86,6 +97,7 @@ impl Narrator {
         };
         if now != Dropped {
             self.state = Some(now);
+            self.turning = turning;
         }
         words.map(|words| if reason.is_empty() { words } else { words.with("reason", reason) })
     }
@@ -278,5 +290,24 @@ mod tests {
         let refused = told(LoopResult::Refused("no such point".into()));
         assert_eq!((refused.weight, refused.event), (Weight::Warning, "loop_refused"));
         assert_eq!(refused.text, "loop from frame 90 to 2 rejected by the map: no such point");
+    }
+
+    #[test]
+    fn a_turn_on_the_spot_is_told_when_it_begins_and_when_it_ends() {
+        let event = |index: u32, reasons: Vec<QualityReason>| {
+            let Event::Frame(answer) = frame(index, FrameStatus::Tracked { inliers: 60 }) else {
+                panic!("a frame")
+            };
+            let assessment = slam::Assessment { reasons, ..Default::default() };
+            Event::Frame(Box::new(FrameAnswer { assessment, ..*answer }))
+        };
+        let turning = || vec![QualityReason::TurningOnTheSpot];
+        let mut narrator = Narrator::default();
+        let mut told = Vec::new();
+        for event in [event(0, vec![]), event(1, turning()), event(2, turning()), event(3, vec![])] {
+            let words = narrator.tell(&event).into_iter().filter(|words| words.weight < Weight::Trace);
+            told.extend(words.map(|words| (words.event, words.frame())));
+        }
+        assert_eq!(told, [("turning", Some(1)), ("position_again", Some(3))]);
     }
 }

@@ -45,6 +45,8 @@ pub enum QualityReason {
     JustRelocalized,
     /// The motion model failed; descriptors alone gave the prediction.
     WithoutMotionModel,
+    /// One camera turns on the spot: only its rotation is known, its position is held.
+    TurningOnTheSpot,
 }
 
 impl QualityReason {
@@ -58,6 +60,7 @@ impl QualityReason {
             QualityReason::LargeResiduals => "large_residuals",
             QualityReason::JustRelocalized => "just_relocalized",
             QualityReason::WithoutMotionModel => "without_motion_model",
+            QualityReason::TurningOnTheSpot => "turning_on_the_spot",
         }
     }
 }
@@ -72,6 +75,7 @@ impl fmt::Display for QualityReason {
             QualityReason::LargeResiduals => "large residuals",
             QualityReason::JustRelocalized => "just relocalized",
             QualityReason::WithoutMotionModel => "no motion model",
+            QualityReason::TurningOnTheSpot => "turning on the spot, position held",
         })
     }
 }

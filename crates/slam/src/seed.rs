@@ -13,6 +13,8 @@ pub(crate) enum SeedPurpose {
     LoopVerification = 3,
     /// The two views of a monocular start.
     InitialPair = 4,
+    /// Rotation between two frames of a turn on the spot.
+    Turning = 5,
 }
 
 impl SeedPurpose {

@@ -4,6 +4,7 @@ use crate::course::Course;
 use crate::mesh::V3;
 use crate::noise::Wander;
 use crate::preset::Pace;
+use crate::spot_turns::SpotTurns;
 use geometry::{SE3, SO3, Vec3};
 
 /// Largest turning rate of the center line's heading, rad/s: 2.2 degrees per frame at 10 Hz.
@@ -43,6 +44,8 @@ pub(crate) struct Drive {
     height: Wander,
     pitch: Wander,
     roll: Wander,
+    /// When turns on the spot begin, seconds.
+    turns: Option<(f64, SpotTurns)>,
 }
 
 impl Drive {
@@ -83,7 +86,14 @@ impl Drive {
             height: Wander::new(0.022, &[0.9, 1.7, 0.35], seed ^ 0x53),
             pitch: Wander::new(0.007, &[0.8, 1.45, 0.21], seed ^ 0x54),
             roll: Wander::new(0.006, &[0.6, 1.2, 0.17], seed ^ 0x55),
+            turns: None,
         }
+    }
+
+    /// With turns on the spot, for which it makes a halt.
+    pub(crate) fn turning(mut self, turns: &SpotTurns) -> Self {
+        self.turns = turns.stop().map(|stop| (self.arrival(&stop), turns.clone()));
+        self
     }
 
     /// Time at which the whole length is driven, seconds.
@@ -151,7 +161,8 @@ impl Drive {
         let moving = (self.driven(t + 0.4) - self.driven(t - 0.4)).min(1.0);
         let up = CAMERA_HEIGHT_M + moving * self.height.at(t);
         let position = station.beside(self.lateral(s)).position - V3::y() * up;
-        let turn = SO3::exp(&Vec3::new(0.0, station.heading + slope, 0.0));
+        let aside = self.turns.as_ref().map_or(0.0, |(begin, turns)| turns.turned(t - begin));
+        let turn = SO3::exp(&Vec3::new(0.0, station.heading + slope + aside, 0.0));
         let nod = SO3::exp(&Vec3::new(moving * self.pitch.at(t), 0.0, moving * self.roll.at(t)));
         SE3::new(turn * nod, position)
     }

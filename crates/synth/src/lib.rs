@@ -1,10 +1,10 @@
 //! Rendered street worlds with exact ground truth: a stereo camera drives a course between textured houses, trees, parked and moving
 //! cars.
 //!
-//! Start reading at [`World`] (any frame of a drive) and [`write_kitti`] and [`write_euroc`] (a whole drive as files). Inside: `course` and `drive` (where
+//! Start reading at [`World`] (any frame of a drive) and [`write_kitti`] and [`write_euroc`] (a whole drive as files). Inside: `course`, `plan` and `drive` (where
 //! the camera is), `town` (what stands where), `traffic` (what moves), `daylight` (what lights it), `camera` and `raster` (how it is drawn).
 //!
-//! World and camera axes: x right, y down, z forward; meters. Preset, seed, number of rounds and relighting determine
+//! World and camera axes: x right, y down, z forward; meters. Preset, seed, number of rounds, turns on the spot and relighting determine
 //! everything; frames depend neither on each other nor on the number of threads.
 
 mod camera;
@@ -25,6 +25,7 @@ mod materials;
 mod mesh;
 mod mover;
 mod noise;
+mod plan;
 mod preset;
 mod raster;
 mod render;
@@ -32,6 +33,7 @@ mod roadside;
 mod rows;
 mod sensor;
 mod sky;
+mod spot_turns;
 mod street;
 mod texture;
 mod town;
@@ -44,6 +46,7 @@ mod write_euroc;
 
 pub use lens::{Lens, LensCamera};
 pub use preset::Preset;
+pub use spot_turns::SpotTurns;
 pub use town::{LABEL_MOVING, LABEL_PARKED, LABEL_SKY, LABEL_STATIC};
 pub use world::{FRAME_RATE_HZ, LensRig, StereoFrame, StereoImages, World};
 pub use write::{DEPTH_UNITS_PER_METRE, Progress, WriteOptions, write_kitti};

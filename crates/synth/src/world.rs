@@ -3,35 +3,23 @@
 use crate::camera::{HEIGHT, View, WIDTH};
 use crate::course::Course;
 use crate::daylight::{Daylight, Light};
-use crate::drive::{Drive, Stop};
-use crate::layout::SideStreet;
+use crate::drive::Drive;
 use crate::lens::{LensCamera, Redrawing};
 use crate::library::{Common, Library};
 use crate::mesh::{Instance, V3};
-use crate::preset::{Halts, Pace, Preset, Settings};
+use crate::plan::plan_drive;
+use crate::preset::Preset;
 use crate::render::{self, Shapes};
 use crate::sensor::{Eye, Sensor};
+use crate::spot_turns::SpotTurns;
 use crate::town::{self, Scene};
-use crate::traffic::{Halt, Traffic, TrafficPlan};
-use geometry::{GrayImage, Pinhole, Raster, SE3, StereoRig, mix_seed};
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use crate::traffic::{Traffic, TrafficPlan};
+use geometry::{GrayImage, Pinhole, Raster, SE3, StereoRig};
 
 /// Frames per second.
 pub const FRAME_RATE_HZ: f64 = 10.0;
 /// Length of the open street per round, meters.
 const STREET_M: f64 = 900.0;
-/// Where we halt before a crossing's middle, meters, and for how long, seconds: for a truck, for trams.
-const HALT_BEFORE_M: [f64; 2] = [10.0, 9.5];
-const HALT_S: [f64; 2] = [6.5, 6.5];
-/// How far before that we stop a first time for trams, meters, and for how long, seconds.
-const ROLL_UP_M: f64 = 9.0;
-const ROLL_UP_S: f64 = 1.0;
-/// Halts per round for trucks.
-const HALTS_PER_ROUND: usize = 4;
-/// Way from one stop to the next in a jam, meters, and for how long we stand, seconds.
-const JAM_WAY_M: [f64; 2] = [9.0, 22.0];
-const JAM_STOP_S: [f64; 2] = [0.8, 2.5];
 
 /// The two images of a moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +56,7 @@ pub struct World {
     preset: Preset,
     seed: u64,
     rounds: u32,
+    turns: SpotTurns,
     course: Course,
     drive: Drive,
     shapes: Shapes,
@@ -84,13 +73,18 @@ impl World {
     /// Lays out the world of a seed and bakes its textures (about a second). `rounds` (at least 1) is how often the closed course is
     /// driven; an open street becomes longer by `rounds`.
     pub fn new(preset: Preset, seed: u64, rounds: u32) -> Self {
+        Self::turning(preset, seed, rounds, SpotTurns::default())
+    }
+
+    /// [`World::new`] with turns on the spot.
+    pub fn turning(preset: Preset, seed: u64, rounds: u32, turns: SpotTurns) -> Self {
         let rounds = rounds.max(1);
         let settings = preset.settings();
         let street_m = STREET_M * f64::from(rounds);
         let course = if settings.open { Course::street(seed, street_m) } else { Course::town(seed) };
         let length = if course.closed { course.length * f64::from(rounds) } else { street_m };
         let side_streets = town::side_streets(&course, &settings, seed);
-        let (drive, halts) = plan_drive(&course, &side_streets, &settings, length, seed);
+        let (drive, halts) = plan_drive(&course, &side_streets, &settings, length, &turns, seed);
         let mut scene = Scene::default();
         let common = Common::new(&mut scene.recipes, seed as u32);
         town::build(&course, &side_streets, &settings, &common, &mut scene, seed);
@@ -109,6 +103,7 @@ impl World {
             preset,
             seed,
             rounds,
+            turns,
             course,
             drive,
             shapes,
@@ -125,7 +120,6 @@ impl World {
     /// The same world in other light in each round after the first: alternating between a low, strong sun from
     /// another side with hard contrast, and an overcast, hazy sky; exposure differs, too. Geometry, vehicles, depth
     /// and labels stay as they are. A world whose course is open or driven once keeps its light.
-    #[must_use]
     pub fn relit(self) -> Self {
         let rounds = if self.course.closed { self.rounds } else { 1 };
         Self { daylight: Daylight::relit(self.seed, rounds, self.course.length), relit: true, ..self }
@@ -149,6 +143,11 @@ impl World {
     /// How often the course is driven.
     pub fn rounds(&self) -> u32 {
         self.rounds
+    }
+
+    /// Turns on the spot.
+    pub fn turns(&self) -> &SpotTurns {
+        &self.turns
     }
 
     /// Number of frames of the whole drive, 10 per second.
@@ -276,56 +275,6 @@ struct Moment {
     views: [View; 2],
     instances: Vec<Instance>,
     light: Light,
-}
-
-/// The drive, with halts before crossings where the preset wants them.
-fn plan_drive(
-    course: &Course,
-    side_streets: &[SideStreet],
-    settings: &Settings,
-    length: f64,
-    seed: u64,
-) -> (Drive, Vec<Halt>) {
-    let crossings: Vec<usize> = (0..side_streets.len()).filter(|i| side_streets[*i].is_crossing()).collect();
-    let (spacing, kind) = match settings.halts {
-        Halts::Trams => (1, 1),
-        _ => (crossings.len().div_ceil(HALTS_PER_ROUND).max(1), 0),
-    };
-    let mut stops: Vec<(usize, Stop)> = Vec::new();
-    let mut start = 0.0;
-    while settings.halts != Halts::None && start < length {
-        for street in crossings.iter().step_by(spacing) {
-            let s = start + side_streets[*street].s - HALT_BEFORE_M[kind];
-            if s < length - 30.0 {
-                stops.push((*street, Stop { s, seconds: HALT_S[kind] }));
-            }
-        }
-        start += course.length;
-    }
-    let mut places: Vec<Stop> = stops.iter().map(|(_, stop)| *stop).collect();
-    if settings.pace == Pace::Crawl {
-        places.extend(jam_stops(length, seed));
-    }
-    if settings.halts == Halts::Trams {
-        places.extend(stops.iter().map(|(_, stop)| Stop { s: stop.s - ROLL_UP_M, seconds: ROLL_UP_S }));
-    }
-    let drive = Drive::new(course, length, settings.pace, &places, seed);
-    let halts = stops
-        .iter()
-        .map(|(street, stop)| Halt { street: *street, time: drive.arrival(stop), seconds: stop.seconds })
-        .collect();
-    (drive, halts)
-}
-
-/// Where we stand in a jam.
-fn jam_stops(length: f64, seed: u64) -> Vec<Stop> {
-    let mut rng = ChaCha8Rng::seed_from_u64(mix_seed(seed, 0, 9));
-    let (mut s, mut stops) = (12.0, Vec::new());
-    while s < length - 10.0 {
-        stops.push(Stop { s, seconds: rng.random_range(JAM_STOP_S[0]..JAM_STOP_S[1]) });
-        s += rng.random_range(JAM_WAY_M[0]..JAM_WAY_M[1]);
-    }
-    stops
 }
 
 #[cfg(test)]

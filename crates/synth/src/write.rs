@@ -143,6 +143,8 @@ struct Description {
     rounds: u32,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     relit: bool,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    spot_turns_deg: Vec<f64>,
     frames: usize,
     frame_rate_hz: f64,
     course_length_m: f64,
@@ -172,6 +174,7 @@ fn description(world: &World, options: &WriteOptions, frames: usize) -> String {
         seed: world.seed(),
         rounds: world.rounds(),
         relit: world.is_relit(),
+        spot_turns_deg: world.turns().by_deg.clone(),
         frames,
         frame_rate_hz: crate::world::FRAME_RATE_HZ,
         course_length_m: world.course_length_m(),

@@ -94,9 +94,19 @@ pub(crate) struct WorldArgs {
     /// sky, with another exposure; needs --rounds. Geometry, traffic, depth and labels stay as they are.
     #[arg(long)]
     pub(crate) relight: bool,
+    /// Stops after 40 m and turns the camera on the spot by these angles, one after the other, in degrees and to the right; drives on
+    /// with the camera turned by their sum.
+    #[arg(long, value_name = "DEG,DEG,...", value_delimiter = ',', allow_hyphen_values = true, value_parser = turn)]
+    pub(crate) turns: Vec<f64>,
     /// Seed of the world: equal seeds give equal images.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
+}
+
+/// Reads an angle.
+fn turn(text: &str) -> Result<f64, String> {
+    let angle = text.parse().ok().filter(|angle: &f64| angle.abs() <= 3600.0);
+    angle.ok_or_else(|| "expected degrees from -3600 to 3600".to_owned())
 }
 
 /// Reads the name of a preset; `--help` lists them.

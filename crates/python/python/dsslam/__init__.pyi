@@ -95,7 +95,7 @@ class Result:
     """How far to trust the frame, from 0 (no pose) to 1."""
     quality_reasons: list[str]
     """What lowers the quality, the strongest first: few_inliers, badly_spread, large_covariance, mostly_far, large_residuals,
-    just_relocalized, without_motion_model."""
+    just_relocalized, without_motion_model, turning_on_the_spot."""
     residual_px: float | None
     """Robust standard deviation of a residual, pixels at octave 0."""
     submap: int | None

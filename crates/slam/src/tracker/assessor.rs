@@ -58,6 +58,11 @@ impl Assessor {
         *self = Assessor::default();
     }
 
+    /// The last frames without a loss behind them, oldest first.
+    pub(super) fn past(&self) -> impl Iterator<Item = &LastFrame> {
+        self.past.iter()
+    }
+
     /// Remembers a tracked frame.
     pub(super) fn remember(&mut self, last: LastFrame) {
         if self.past.len() == COVARIANCE_FRAMES {

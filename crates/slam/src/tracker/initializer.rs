@@ -7,7 +7,7 @@ use features::{Candidate, Frame, ProjectionQuery};
 use geometry::{
     SE3, TwoViewFailure, TwoViewMatches, TwoViewOptions, TwoViewReconstruction, Vec2, Vec3, median,
 };
-use optim::{BundleOptions, BundleProblem, refine_bundle};
+use optim::{BundleOptions, BundleProblem, CHI2_MONO, refine_bundle};
 
 use crate::params::Params;
 use crate::problem::observation;
@@ -27,6 +27,8 @@ const MAX_OCTAVE: u8 = 2;
 /// Largest descriptor distance, and largest ratio of the best to the second-best one.
 const MAX_DISTANCE: u32 = 50;
 const MAX_RATIO: f32 = 0.9;
+/// Least parallax in units of the noise of the features.
+const MIN_PARALLAX_NOISES: f64 = 11.0;
 /// Iterations of the adjustment of both views.
 const ITERATIONS: usize = 20;
 
@@ -64,6 +66,13 @@ pub enum NoPair {
     },
     /// No reliable motion between the two frames yet.
     TwoView(TwoViewFailure),
+    /// The features are placed too badly for what the camera has moved.
+    TooNoisy {
+        /// Parallax that enough matches reach, pixels.
+        parallax_px: f64,
+        /// Parallax needed, pixels.
+        needed_px: f64,
+    },
     /// Too few points survive the adjustment.
     TooFewPoints {
         /// Points left.
@@ -81,6 +90,7 @@ impl NoPair {
             NoPair::First => "the first of two views was chosen",
             NoPair::TooFewMatches { .. } => "too few matches with the first view",
             NoPair::TwoView(failure) => failure.cause(),
+            NoPair::TooNoisy { .. } => "too little parallax for the noise of the features",
             NoPair::TooFewPoints { .. } => "too few points survive the adjustment of both views",
         }
     }
@@ -97,6 +107,10 @@ impl fmt::Display for NoPair {
                 write!(f, "too few matches with the first view: {found} of {needed}; choosing a new one")
             }
             NoPair::TwoView(failure) => write!(f, "{failure}"),
+            NoPair::TooNoisy { parallax_px, needed_px } => write!(
+                f,
+                "too little parallax for the noise of the features: {parallax_px:.1} of {needed_px:.1} pixels"
+            ),
             NoPair::TooFewPoints { found, needed } => {
                 write!(f, "too few points after the adjustment of both views: {found} of {needed}")
             }
@@ -200,8 +214,12 @@ impl Initializer {
             .zip(&found.points)
             .filter_map(|(&(i, j), point)| Some((i, j, (*point)?)))
             .collect();
-        let (second_from_first, points) =
+        let Adjusted { second_from_first, points, chi_sq } =
             adjust_pair([first, second], found.second_from_first, &with_point, params);
+        let noise_px = params.camera.feature_sigma_px
+            * noise(chi_sq, with_point.len(), matches.len() - found.n_consistent);
+        let parallax_px = found.parallax_deg.to_radians() * second.rig.stereo.camera.fx;
+        clear_of_noise(parallax_px, noise_px)?;
         if points.len() < MIN_POINTS {
             return Err(NoPair::TooFewPoints { found: points.len(), needed: MIN_POINTS });
         }
@@ -209,13 +227,35 @@ impl Initializer {
     }
 }
 
-/// Bundle adjustment of the two views; returns the motion and the points that agree with it in both.
+/// Standard deviation of the features' positions, in units of the expected one, where points have the squared errors `chi_sq` in both
+/// views together and `outliers` more matches agree with nothing. Of the four coordinates of a point one tells its noise.
+fn noise(chi_sq: f64, points: usize, outliers: usize) -> f64 {
+    let all = chi_sq + CHI2_MONO * outliers as f64;
+    (all / (points + outliers).max(1) as f64).sqrt()
+}
+
+/// Whether the parallax, pixels, stands out of the noise of the features.
+fn clear_of_noise(parallax_px: f64, noise_px: f64) -> Result<(), NoPair> {
+    let needed_px = MIN_PARALLAX_NOISES * noise_px;
+    if parallax_px < needed_px { Err(NoPair::TooNoisy { parallax_px, needed_px }) } else { Ok(()) }
+}
+
+/// Two views after their adjustment.
+struct Adjusted {
+    second_from_first: SE3,
+    /// The points that agree with the motion in both views.
+    points: Vec<(u32, u32, Vec3)>,
+    /// Sum of the squared errors of all points, in units of the expected noise, each at most the limit of outliers.
+    chi_sq: f64,
+}
+
+/// Bundle adjustment of the two views.
 fn adjust_pair(
     frames: [&Frame; 2],
     second_from_first: SE3,
     points: &[(u32, u32, Vec3)],
     params: &Params,
-) -> (SE3, Vec<(u32, u32, Vec3)>) {
+) -> Adjusted {
     let noise = params.noise();
     let observations = (0..).zip(points).flat_map(|(point, &(i, j, _))| {
         [(0, i), (1, j)]
@@ -234,7 +274,11 @@ fn adjust_pair(
     // The observations come in pairs, as the points do.
     let fitting =
         moved.zip(solution.inliers.chunks(2)).filter(|(_, agree)| agree.iter().all(|&agrees| agrees));
-    (solution.cameras[1].normalized(), fitting.map(|(point, _)| point).collect())
+    Adjusted {
+        second_from_first: solution.cameras[1].normalized(),
+        points: fitting.map(|(point, _)| point).collect(),
+        chi_sq: solution.chi_sq.iter().map(|chi_sq| chi_sq.min(CHI2_MONO)).sum(),
+    }
 }
 
 /// The pair in the world, lengths in units of the points' median depth.

@@ -3,6 +3,7 @@
 mod align;
 mod assessor;
 mod beliefs;
+mod directions;
 mod evidence;
 mod inertia;
 mod initializer;
@@ -15,6 +16,7 @@ mod predict;
 mod relocalize;
 mod residuals;
 mod track_reference_keyframe;
+mod turning;
 
 use std::sync::Arc;
 
@@ -38,6 +40,7 @@ use last_frame::LastFrame;
 use local_map::{LocalMap, LocallyTracked};
 use motion_model::MotionModel;
 use predict::Attempt;
+use turning::{Found, Turning};
 
 /// Outcome of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,6 +143,8 @@ pub struct Tracker {
     is_lost: bool,
     /// Until this frame few points suffice if the motion goes on as before: the map knows little of what is ahead.
     resuming_until: u32,
+    /// A turn on the spot that is going on.
+    turning: Option<Turning>,
     /// Index of the frame that last became a keyframe.
     last_keyframe_index: u32,
     /// Judges poses; tracking itself never asks it.
@@ -160,6 +165,7 @@ impl Tracker {
             velocity: None,
             is_lost: false,
             resuming_until: 0,
+            turning: None,
             last_keyframe_index: 0,
             assessor: Assessor::default(),
             beliefs: Beliefs::default(),
@@ -208,9 +214,10 @@ impl Tracker {
         if last.is_none() && map.n_keyframes() == 0 && !self.params.tracking.localize_only {
             return self.start(frame, SE3::identity());
         }
-        match self.find_pose(frame, world, last.as_ref(), probe) {
-            Ok(local) => self.accept(frame, map, last.as_ref(), local, mapper_idle, probe),
-            Err(lost) => self.lose(frame, map, last, lost),
+        match self.find_pose_or_turn(frame, world, last.as_ref(), probe) {
+            Found::Local(local) => self.accept(frame, map, last.as_ref(), local, mapper_idle, probe),
+            Found::Held(tracked) => tracked,
+            Found::Lost(lost) => self.lose(frame, map, last, lost),
         }
     }
 
@@ -345,6 +352,7 @@ impl Tracker {
         }
         self.last_keyframe_index = frame.index;
         self.velocity = None;
+        self.turning = None;
         self.last = None;
         self.assessor.forget();
         self.lost_frames = 0;

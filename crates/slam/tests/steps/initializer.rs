@@ -146,10 +146,28 @@ fn points_that_do_not_fit_both_views_are_dropped() {
     let frame = view(1, &side(), 160, |s| s.shift_px = [0.0, if s.landmark < 5 { 8.0 } else { 0.0 }]);
     let landmarks = Scene::wall(160).landmarks;
     let points: Vec<(u32, u32, Vec3)> = (0..).zip(&landmarks).map(|(i, &p)| (i, i, p)).collect();
-    let (motion, left) = adjust_pair([&first, &frame], side(), &points, &mono());
+    let adjusted = adjust_pair([&first, &frame], side(), &points, &mono());
+    let (motion, left) = (adjusted.second_from_first, adjusted.points);
     // The length of the motion is free.
     let direction = motion.translation.normalize().dot(&side().translation.normalize());
     assert!(direction > 0.999, "{direction}");
     assert!((motion.rotation * side().rotation.inverse()).angle() < 0.01);
     assert_eq!(left.iter().map(|p| p.0).collect::<Vec<_>>(), (5..160).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_short_move_is_not_enough_for_features_that_are_placed_badly() {
+    assert_eq!(clear_of_noise(11.1, 1.0), Ok(()));
+    assert_eq!(clear_of_noise(5.6, 0.5), Ok(()));
+    let refused = clear_of_noise(11.1, 1.2).unwrap_err();
+    assert!(matches!(refused, NoPair::TooNoisy { parallax_px: 11.1, needed_px } if needed_px > 13.0));
+    let words = "too little parallax for the noise of the features: 11.1 of 13.2 pixels";
+    assert_eq!(refused.to_string(), words);
+}
+
+#[test]
+fn noise_comes_from_residuals_and_outliers() {
+    assert_eq!(noise(100.0, 100, 0), 1.0);
+    assert!((noise(100.0, 100, 20) - ((100.0 + 20.0 * CHI2_MONO) / 120.0).sqrt()).abs() < 1e-12);
+    assert_eq!(noise(0.0, 0, 0), 0.0);
 }
