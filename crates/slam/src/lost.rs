@@ -28,6 +28,13 @@ pub enum Lost {
         /// What it would have needed.
         needed: usize,
     },
+    /// The local map confirms a pose that no camera can have reached.
+    TooFar {
+        /// How far it is from where the camera would be had it moved on, meters.
+        off_m: f64,
+        /// How far it may be, meters.
+        most_m: f64,
+    },
 }
 
 impl Lost {
@@ -38,6 +45,7 @@ impl Lost {
             Lost::TooFewMatches { found, .. } => (0, found),
             Lost::TooFewPredictedInliers { found, .. } => (1, found),
             Lost::TooFewLocalInliers { found, .. } => (2, found),
+            Lost::TooFar { .. } => (3, 0),
         };
         if progress(&other) > progress(&self) { other } else { self }
     }
@@ -48,6 +56,7 @@ impl Lost {
             Lost::TooFewMatches { .. } => "too few matches with the last frame and the reference keyframe",
             Lost::TooFewPredictedInliers { .. } => "the predicted pose has too few inliers",
             Lost::TooFewLocalInliers { .. } => "the local map confirms too few points",
+            Lost::TooFar { .. } => "the pose found is farther away than the camera can have moved",
         }
     }
 }
@@ -67,6 +76,11 @@ impl fmt::Display for Lost {
             Lost::TooFewLocalInliers { found, needed } => {
                 write!(f, "the local map confirms too few points: {found} of {needed}")
             }
+            Lost::TooFar { off_m, most_m } => write!(
+                f,
+                "the pose found is farther away than the camera can have moved: {off_m:.2} m from where it \
+                 would be had it gone on, {most_m:.2} m at most"
+            ),
         }
     }
 }

@@ -4,6 +4,7 @@ mod align;
 mod assessor;
 mod beliefs;
 mod evidence;
+mod inertia;
 mod initializer;
 mod keyframe_policy;
 mod last_frame;
@@ -13,7 +14,6 @@ mod motion_model;
 mod predict;
 mod relocalize;
 mod residuals;
-mod rivals;
 mod track_reference_keyframe;
 
 use std::sync::Arc;
@@ -320,7 +320,13 @@ impl Tracker {
         });
         let needed = self.inliers_needed(frame, map, last, &local.cam_from_world);
         let found = local.matches.len();
-        if found >= needed { Ok(local) } else { Err(Lost::TooFewLocalInliers { found, needed }) }
+        if found < needed {
+            return Err(Lost::TooFewLocalInliers { found, needed });
+        }
+        let inertia =
+            last.filter(|_| attempt != Attempt::Relocalization).and_then(|l| self.inertia(frame, map, l));
+        inertia.map_or(Ok(()), |inertia| inertia.check(&local.cam_from_world))?;
+        Ok(local)
     }
 
     /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth, or for the first

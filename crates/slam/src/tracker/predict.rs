@@ -5,9 +5,9 @@ use geometry::{SE3, Vec3};
 use map::{Map, PointId};
 
 use super::Tracker;
+use super::inertia::Inertia;
 use super::last_frame::LastFrame;
 use super::relocalize::relocalize;
-use super::rivals::likelier;
 use super::track_reference_keyframe::track_reference_keyframe;
 use crate::lost::Lost;
 use crate::pose::{RefinedPose, refine_with_positions};
@@ -72,11 +72,8 @@ impl Tracker {
     fn predict_by_motion(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Result<Prediction, Lost> {
         let rest = last.cam_from_world(map);
         let Some(velocity) = &self.velocity else { return self.predict_at(&rest, None, frame, map, last) };
-        let seconds = last.seconds_to(frame);
-        let predicted = velocity.motion_over(seconds) * rest;
-        // Inertia is in meters, and says nothing of a camera that nobody saw.
-        let has_inertia = !self.is_lost && !self.params.camera.sensor.is_scale_free();
-        let moving = self.predict_at(&predicted, has_inertia.then_some(seconds), frame, map, last);
+        let predicted = velocity.motion_over(last.seconds_to(frame)) * rest;
+        let moving = self.predict_at(&predicted, self.inertia(frame, map, last), frame, map, last);
         match moving {
             Err(lost) if self.is_lost => {
                 self.predict_at(&rest, None, frame, map, last).map_err(|l| lost.further(l))
@@ -85,12 +82,20 @@ impl Tracker {
         }
     }
 
-    /// Searches the last frame's points around a predicted pose, in windows that grow until enough agree. `inertia`: the seconds
-    /// since the last frame, if the camera goes on as before.
+    /// Where the camera would be had it gone on as before. Inertia is in meters, and says nothing of a camera that nobody saw.
+    pub(super) fn inertia(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Option<Inertia> {
+        let velocity =
+            self.velocity.filter(|_| !self.is_lost && !self.params.camera.sensor.is_scale_free())?;
+        let seconds = last.seconds_to(frame);
+        Some(Inertia { predicted: velocity.motion_over(seconds) * last.cam_from_world(map), seconds })
+    }
+
+    /// Searches the last frame's points around a predicted pose, in windows that grow until enough agree; `inertia` if the
+    /// camera is to be there.
     fn predict_at(
         &self,
         predicted: &SE3,
-        inertia: Option<f64>,
+        inertia: Option<Inertia>,
         frame: &Frame,
         map: &Map,
         last: &LastFrame,
@@ -117,8 +122,8 @@ impl Tracker {
                 matches.iter().map(|&(f, source)| (f, sources[source].position)).collect();
             let noise = self.params.noise();
             let mut solved = refine_with_positions(frame, *predicted, &positions, noise);
-            if let Some(seconds) = inertia {
-                solved = likelier(frame, (predicted, seconds), &positions, solved, noise);
+            if let Some(inertia) = inertia {
+                solved = inertia.likelier(frame, &positions, solved, noise);
             }
             let (cam_from_world, agrees) = solved;
             let agreeing = matches.iter().zip(&agrees).filter(|(_, agrees)| **agrees);

@@ -21,14 +21,14 @@ fn view(n_scene: usize, n_vehicle: usize, deceit_m: f64) -> (std::sync::Arc<Fram
     (frame, matches)
 }
 
-/// Where `likelier` puts the camera along x beyond the point predicted, and how many of the first `n_scene` and of the other matches
+/// Where inertia puts the camera along x beyond the point predicted, and how many of the first `n_scene` and of the other matches
 /// agree.
 fn decided(n_scene: usize, n_vehicle: usize, predicted_m: f64, deceit_m: f64) -> (f64, usize, usize) {
     let (frame, matches) = view(n_scene, n_vehicle, deceit_m);
     let noise = params().noise();
     let predicted = at(predicted_m, 0.0, 0.0);
     let first = refine_with_positions(&frame, predicted, &matches, noise);
-    let (pose, agree) = likelier(&frame, (&predicted, SECONDS), &matches, first, noise);
+    let (pose, agree) = Inertia { predicted, seconds: SECONDS }.likelier(&frame, &matches, first, noise);
     let count = |part: &[bool]| part.iter().filter(|agrees| **agrees).count();
     (pose.center().x - STEP_M, count(&agree[..n_scene]), count(&agree[n_scene..]))
 }
@@ -53,8 +53,21 @@ fn the_larger_group_wins_where_inertia_does_not_speak_against_it() {
 
 #[test]
 fn a_few_matches_are_no_second_motion() {
-    // 19 of 119 stand still: too few to be believed against all others.
-    let (off, scene, vehicle) = decided(19, 100, STEP_M, DECEIT_M);
+    // 14 of 114 stand still: too few to be believed against all others.
+    let (off, scene, vehicle) = decided(14, 100, STEP_M, DECEIT_M);
     assert!((off + DECEIT_M).abs() < 0.01, "{off}");
     assert_eq!((scene, vehicle), (0, 100));
+}
+
+#[test]
+fn a_camera_cannot_jump() {
+    let inertia = Inertia { predicted: at(STEP_M, 0.0, 0.0), seconds: SECONDS };
+    assert_eq!(inertia.check(&at(STEP_M, 0.5, 0.0)), Ok(()));
+    let Err(Lost::TooFar { off_m, most_m }) = inertia.check(&at(STEP_M, 0.0, -0.6)) else {
+        panic!("a jump of 0.6 m is too far")
+    };
+    assert!((off_m - 0.6).abs() < 1e-9 && (most_m - 0.53).abs() < 1e-9, "{off_m} {most_m}");
+    // After three frames without one it may be nine times as far.
+    let later = Inertia { seconds: 3.0 * SECONDS, ..inertia };
+    assert_eq!(later.check(&at(STEP_M, 0.0, 4.0)), Ok(()));
 }
