@@ -192,7 +192,12 @@ def read_states(path: Path | None) -> dict[str, list[tuple[float, float, str]]]:
 
 
 def collect(name: str, form: str, rows: list[tuple[Path, np.ndarray, str]]) -> Frames:
-    """Frames of (image file, codes, drive), brought to the form's size."""
+    """Frames of (image file, codes, drive), brought to the form's size.
+
+    Raises SystemExit where there is none.
+    """
+    if not rows:
+        raise SystemExit(f"{name}: no frames found")
     size, aspect = FORMS[form]
     read = [resize_pair(read_grey(path), codes, size) for path, codes, _ in rows]
     images, codes = (np.stack(x) for x in zip(*read))

@@ -3,7 +3,7 @@
     python -m dsfeat.teachers --images FOLDER --teachers TEACHERS --out LABELS
 
 Where at least two of the three see a vehicle, a person or a bicycle the pixel is dynamic (255), where one does it is not
-decided (128), else it is static (0): the format of `kitti_pseudo`. About 3 seconds a frame. Finished frames are skipped.
+decided (128), else it is static (0): the format of `kitti_pseudo`. Finished frames are skipped.
 """
 
 import argparse
