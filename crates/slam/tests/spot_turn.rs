@@ -28,13 +28,18 @@ fn pose(i: u32, deg: f64) -> SE3 {
     on_ring(driven, deg.to_radians() * part)
 }
 
-#[test]
-fn a_camera_that_turns_around_keeps_its_map() {
+/// Turns around by 360 degrees; without features in the `black` frames.
+fn turn_around(black: &[u32]) {
     let mut world = World::ring(RADIUS_M, 0.3, 30.0);
     world.stereo = false;
     let mut pair = Pair::new(&Params::mono(10.0));
     let (mut held, mut poses) = (0, Vec::new());
     for i in 0..STOP + TURN + 40 {
+        if black.contains(&i) {
+            let tracked = pair.step(&world.black(i));
+            assert!(matches!(tracked.state, TrackState::Lost(_)), "frame {i}: {:?}", tracked.state);
+            continue;
+        }
         let tracked = pair.step(&world.frame(i, &pose(i, 360.0)));
         if i < 10 {
             continue;
@@ -61,4 +66,14 @@ fn a_camera_that_turns_around_keeps_its_map() {
     let expected = pose(10, 360.0).rotation.inverse() * pose(STOP + 10 + TURN / 2, 360.0).rotation;
     let error = (seen * expected.inverse()).angle();
     assert!(error < 0.01, "{error} rad");
+}
+
+#[test]
+fn a_camera_that_turns_around_keeps_its_map() {
+    turn_around(&[]);
+}
+
+#[test]
+fn a_turn_is_followed_across_frames_that_show_nothing() {
+    turn_around(&[STOP + 50, STOP + 51, STOP + 75]);
 }

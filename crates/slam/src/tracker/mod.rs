@@ -215,8 +215,8 @@ impl Tracker {
             return self.start(frame, SE3::identity());
         }
         match self.find_pose_or_turn(frame, world, last.as_ref(), probe) {
-            Found::Local(local) => self.accept(frame, map, last.as_ref(), local, mapper_idle, probe),
-            Found::Held(tracked) => tracked,
+            Found::Local(local) => self.accept(frame, map, last.as_ref(), *local, mapper_idle, probe),
+            Found::Held(tracked) => *tracked,
             Found::Lost(lost) => self.lose(frame, map, last, lost),
         }
     }

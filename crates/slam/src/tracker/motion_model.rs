@@ -1,6 +1,6 @@
 //! The motion model: a constant velocity between frames that need not be equally far apart in time.
 
-use geometry::SE3;
+use geometry::{SE3, SO3};
 
 /// How the camera moved over a known time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,11 @@ impl MotionModel {
     pub(crate) fn between(before_cam_from_world: &SE3, after_cam_from_world: &SE3, seconds: f64) -> Self {
         let motion = (*after_cam_from_world * before_cam_from_world.inverse()).normalized();
         MotionModel { motion, seconds }
+    }
+
+    /// The rotation as it was seen.
+    pub(crate) fn turn(&self) -> SO3 {
+        self.motion.rotation
     }
 
     /// The motion over `seconds`; the motion as it was seen where either time makes no sense.

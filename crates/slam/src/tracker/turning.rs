@@ -32,6 +32,8 @@ const VIEW_SPACING_RAD: f64 = 0.12;
 const MAX_VIEWS: usize = 100;
 /// Windows tried in turn, in units of the usual radius.
 const WIDENINGS: [f32; 3] = [1.0, 2.0, 4.0];
+/// Frames in a row that may fail before a turn is forgotten.
+const MAX_MISSED: u32 = 5;
 /// Points that say where a turning camera is; fewer, at the rim of the image, do not.
 const MIN_POINTS: usize = 50;
 /// How far a camera that still turns on the spot may seem to have moved over the last frames, in median depths of its points.
@@ -52,6 +54,8 @@ pub(super) struct Turning {
     /// Rotation of the present frame, and what the last frame added to it.
     now_from_anchor: SO3,
     step: SO3,
+    /// Frames since then that could not be followed.
+    missed: u32,
 }
 
 #[derive(Clone, Debug)]
@@ -63,12 +67,13 @@ struct View {
 impl Turning {
     fn new(frame: &Arc<Frame>, anchor: RelativePose, step: SO3) -> Self {
         let views = vec![View { frame: frame.clone(), view_from_anchor: SO3::identity() }];
-        Turning { anchor, views, now_from_anchor: SO3::identity(), step }
+        Turning { anchor, views, now_from_anchor: SO3::identity(), step, missed: 0 }
     }
 
     /// Finds how far the camera has turned until `frame`; `None` where directions alone do not explain what it sees.
     fn follow(&mut self, frame: &Arc<Frame>, params: &Params) -> Option<SeenRotation> {
-        let predicted = self.step * self.now_from_anchor;
+        let predicted = (0..=self.missed).fold(self.now_from_anchor, |rotation, _| self.step * rotation);
+        self.missed += 1;
         let gap = |view: &View| (predicted * view.view_from_anchor.inverse()).angle();
         // Of equally near views the older one.
         let view = self.views.iter().min_by(|a, b| gap(a).total_cmp(&gap(b)))?;
@@ -76,8 +81,9 @@ impl Turning {
         let found = turned(&view.frame, frame, &now_from_view, params)?;
         let now_from_anchor = (found.now_from_then * view.view_from_anchor).orthonormalized();
         let is_new = found.now_from_then.angle() > VIEW_SPACING_RAD && self.views.len() < MAX_VIEWS;
-        self.step = now_from_anchor * self.now_from_anchor.inverse();
-        self.now_from_anchor = now_from_anchor;
+        let turn = now_from_anchor * self.now_from_anchor.inverse();
+        self.step = SO3::exp(&(turn.log() / f64::from(self.missed)));
+        (self.now_from_anchor, self.missed) = (now_from_anchor, 0);
         if is_new {
             self.views.push(View { frame: frame.clone(), view_from_anchor: now_from_anchor });
         }
@@ -104,9 +110,9 @@ fn turned(then: &Frame, now: &Frame, predicted: &SO3, params: &Params) -> Option
 /// What became of a frame.
 pub(super) enum Found {
     /// The map tells its pose.
-    Local(LocallyTracked),
+    Local(Box<LocallyTracked>),
     /// The camera turns on the spot: only the rotation is known.
-    Held(Tracked),
+    Held(Box<Tracked>),
     /// It has no pose.
     Lost(Lost),
 }
@@ -121,16 +127,18 @@ impl Tracker {
         probe: &mut dyn Probe,
     ) -> Found {
         let map = &world.map;
+        let mut missed = None;
         if let Some(mut turning) = self.turning.take() {
             let seen = turning.follow(frame, &self.params);
             if let Ok(local) = self.find_from(turning.pose(map), frame, map) {
-                return Found::Local(local);
+                return Found::Local(Box::new(local));
             }
             if let Some(seen) = seen {
-                return Found::Held(self.hold(turning, frame, map, last, seen.inliers));
+                return Found::Held(Box::new(self.hold(turning, frame, map, last, seen.inliers)));
             }
-            // The camera moves on, and what the map shows is out of view: nothing is gained by waiting with a new one.
+            // Blurred, or the camera moves on. What the map shows is out of view: nothing is gained by waiting with a new one.
             self.lost_frames = self.params.camera.max_lost_frames;
+            missed = (turning.missed <= MAX_MISSED).then_some(turning);
         }
         let found = self.find_pose(frame, world, last, probe);
         let is_weak = found.as_ref().map_or(true, |local| local.matches.len() < MIN_POINTS);
@@ -139,9 +147,12 @@ impl Tracker {
             && let Some(mut turning) = last.and_then(|last| self.begin_turn(map, last))
             && let Some(seen) = turning.follow(frame, &self.params)
         {
-            return Found::Held(self.hold(turning, frame, map, last, seen.inliers));
+            return Found::Held(Box::new(self.hold(turning, frame, map, last, seen.inliers)));
         }
-        found.map_or_else(Found::Lost, Found::Local)
+        if found.is_err() {
+            self.turning = missed;
+        }
+        found.map_or_else(Found::Lost, |local| Found::Local(Box::new(local)))
     }
 
     /// A frame of which only the rotation is known.
@@ -162,6 +173,7 @@ impl Tracker {
         self.assessor.forget();
         self.initializer = None;
         self.lost_frames = 0;
+        self.is_lost = false;
         let stats = TrackStats { inliers: agreeing, ..TrackStats::default() };
         let reasons = vec![QualityReason::TurningOnTheSpot];
         let assessment = Assessment { quality: QUALITY, reasons, ..Assessment::default() };
@@ -211,7 +223,7 @@ impl Tracker {
         let anchor = last.pose.on_living(map);
         let held_from_last = SE3::new(SO3::identity(), -(now * center));
         let held = (held_from_last * anchor.cam_from_keyframe).normalized();
-        let step = self.velocity.map_or(SO3::identity(), |v| v.motion_over(f64::NAN).rotation);
+        let step = self.velocity.map_or(SO3::identity(), |velocity| velocity.turn());
         Some(Turning::new(&last.frame, RelativePose::new(map, anchor.keyframe, held), step))
     }
 }
