@@ -48,20 +48,21 @@ fn turn_around(black: &[u32]) {
         let is_held = tracked.assessment.reasons.contains(&QualityReason::TurningOnTheSpot);
         assert!(!is_held || tracked.keyframe.is_none(), "frame {i}: nothing new has a depth");
         held += u32::from(is_held);
-        poses.push((i, pair.world_from_cam(&tracked).unwrap()));
+        poses.push((i, pair.world_from_cam(&tracked).expect("a pose")));
     }
     let map = &pair.mapper.world().map;
     assert_eq!((map.roots().len(), map.check()), (1, Ok(())));
     assert!(held > 30, "{held} frames with the rotation alone");
     // The way after the turn is as long, in units of the map, as the same way before it.
     let way = |from: u32, to: u32| {
-        let at = |i: u32| poses.iter().find(|p| p.0 == i).unwrap().1.translation;
+        let at = |i: u32| poses.iter().find(|p| p.0 == i).expect("tracked").1.translation;
         (at(to) - at(from)).norm()
     };
     let (before, after) = (way(20, 35), way(STOP + TURN + 15, STOP + TURN + 30));
     assert!((after / before - 1.0).abs() < 0.05, "{before} before, {after} after");
     // Turned right to the pixel, while nothing but directions was seen.
-    let (first, middle) = (poses[0].1, poses.iter().find(|p| p.0 == STOP + 10 + TURN / 2).unwrap().1);
+    let (first, middle) =
+        (poses[0].1, poses.iter().find(|p| p.0 == STOP + 10 + TURN / 2).expect("tracked").1);
     let seen = first.rotation.inverse() * middle.rotation;
     let expected = pose(10, 360.0).rotation.inverse() * pose(STOP + 10 + TURN / 2, 360.0).rotation;
     let error = (seen * expected.inverse()).angle();

@@ -12,7 +12,7 @@ const REST_S: f64 = 0.8;
 pub struct SpotTurns {
     /// Way driven before, meters.
     pub after_m: f64,
-    /// Degrees, positive to the right. The drive goes on with the camera turned by their sum.
+    /// Degrees, positive to the right. The drive continues with the camera turned by their sum.
     pub by_deg: Vec<f64>,
 }
 
