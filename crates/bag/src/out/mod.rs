@@ -2,6 +2,7 @@
 
 mod cdr;
 mod definitions;
+mod held;
 mod messages;
 mod writer;
 

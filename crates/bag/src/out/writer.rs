@@ -10,9 +10,11 @@ use std::io::{Cursor, Error, ErrorKind, Result, Seek, SeekFrom, Write};
 
 use binrw::{BinResult, BinWrite};
 use mcap::records::{Channel, Footer, MessageHeader, SchemaHeader, SummaryOffset, op};
+use mcap::write::NoSeek;
 use mcap::{McapError, Summary, WriteOptions, Writer};
 
 use super::cdr::Cdr;
+use super::held::{FirstError, Held};
 use super::messages::Message;
 use crate::mcap_file::MAGIC;
 
@@ -21,7 +23,8 @@ const TAIL: i64 = 9 + 20 + MAGIC.len() as i64;
 
 /// Writes messages; what was flushed can be read whatever happens afterwards.
 pub struct McapWriter<W: Write + Seek> {
-    writer: Writer<W>,
+    writer: Writer<NoSeek<Held<W>>>,
+    error: FirstError,
     /// Per topic its channel and the number of messages in it.
     channels: BTreeMap<String, (u16, u32)>,
 }
@@ -39,7 +42,11 @@ impl<W: Write + Seek> McapWriter<W> {
             .disable_seeking(true)
             .emit_summary_records(false)
             .emit_summary_offsets(false);
-        Ok(Self { writer: options.create(target).map_err(failed)?, channels: BTreeMap::new() })
+        let error = FirstError::default();
+        let target = NoSeek::new(Held::new(target, error.clone()));
+        let writer = options.create(target).map_err(failed)?;
+        error.check()?;
+        Ok(Self { writer, error, channels: BTreeMap::new() })
     }
 
     /// Adds a message. It is in the file after the next [`McapWriter::flush`], or when enough others have come.
@@ -64,7 +71,8 @@ impl<W: Write + Seek> McapWriter<W> {
         let mut to = Cdr::new();
         message.encode(&mut to);
         let header = MessageHeader { channel_id, sequence, log_time: time, publish_time: time };
-        self.writer.write_to_known_channel(&header, &to.into_bytes()).map_err(failed)
+        self.writer.write_to_known_channel(&header, &to.into_bytes()).map_err(failed)?;
+        self.error.check()
     }
 
     /// The number of a new channel.
@@ -81,7 +89,8 @@ impl<W: Write + Seek> McapWriter<W> {
     /// # Errors
     /// What the target says.
     pub fn flush(&mut self) -> Result<()> {
-        self.writer.flush().map_err(failed)
+        self.writer.flush().map_err(failed)?;
+        self.error.check()
     }
 
     /// Ends the file with its summary.
@@ -90,7 +99,8 @@ impl<W: Write + Seek> McapWriter<W> {
     /// What the target says.
     pub fn finish(mut self) -> Result<W> {
         let summary = self.writer.finish().map_err(failed)?;
-        let mut target = self.writer.into_inner();
+        self.error.check()?;
+        let mut target = self.writer.into_inner().into_inner().into_target();
         let start = target.seek(SeekFrom::End(-TAIL))?;
         target.write_all(&summarized(&summary, start).map_err(Error::other)?)?;
         target.flush()?;

@@ -1,7 +1,7 @@
 //! What is written is read by the crate `mcap`, and by the reader of bags; a file that is cut off anywhere is read as far as it goes.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
+use std::io::{Cursor, ErrorKind, Seek, SeekFrom, Write};
 
 use dsslam_bag::Bag;
 use dsslam_bag::out::{Cloud, CloudPoint, Header, McapWriter, Odometry, Path, Pose, Transform, Transforms};
@@ -168,4 +168,54 @@ fn times_that_ros_cannot_hold_are_refused() {
         [0xff, 0xff, 0xff, 0xff, 0xff, 0xc9, 0x9a, 0x3b],
         "-1 s and 999999999 ns"
     );
+}
+
+/// Takes a number of bytes and no more, as a disk that becomes full.
+struct Full {
+    taken: Cursor<Vec<u8>>,
+    room: usize,
+}
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let room = self.room - self.taken.get_ref().len();
+        if room == 0 {
+            return Err(ErrorKind::StorageFull.into());
+        }
+        self.taken.write(&bytes[..room.min(bytes.len())])
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Full {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.taken.seek(to)
+    }
+}
+
+#[test]
+fn a_disk_that_becomes_full_is_an_error_at_any_byte_and_every_time() {
+    let path = Path { header: header(0, "map"), poses: vec![(0, pose(0)); 4] };
+    let written = |room: usize| -> std::io::Result<usize> {
+        let mut writer = McapWriter::new(Full { taken: Cursor::default(), room })?;
+        for i in 0..3 {
+            writer.write("/path", header(i, "").t_ns, &path)?;
+            if let Err(error) = writer.flush() {
+                let again = writer.write("/path", header(i, "").t_ns, &path).unwrap_err();
+                assert_eq!(again.kind(), error.kind());
+                assert_eq!(writer.finish().err().map(|error| error.kind()), Some(error.kind()));
+                return Err(error);
+            }
+        }
+        Ok(writer.finish()?.taken.into_inner().len())
+    };
+    let whole = written(1 << 20).unwrap();
+    for room in (0..whole).step_by(7) {
+        let error = written(room).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::StorageFull, "{room} of {whole}");
+    }
+    assert_eq!(written(whole).unwrap(), whole);
 }
