@@ -143,7 +143,7 @@ mod tests {
     const CONFIG: SelectionConfig =
         SelectionConfig { rule: SelectionRule::Activation, keep: 60, spread: Spread::Cells };
 
-    /// Answers with the brightness of the image's first pixel; from `fails_from` on not at all.
+    /// Answers with the brightness of the image's first pixel, but for the one that fails.
     #[derive(Debug)]
     struct Brightness {
         seen: Arc<Mutex<Vec<u8>>>,

@@ -1,12 +1,13 @@
 //! The rotation between two frames from the directions of their features, where the camera turned and did not move.
 
 use features::{Frame, ProjectionQuery, WindowMatch};
-use geometry::{Estimator, Mat3, RansacOptions, SO3, Vec3, ransac};
+use geometry::{Estimator, Mat3, RansacOptions, SE3, SO3, Vec3, ransac};
 use optim::CHI2_MONO;
 
 use crate::noise::{Noise, information};
 use crate::params::Params;
 use crate::search::{consistent_in_rotation, search};
+use crate::visibility::project_inside;
 
 /// Largest descriptor distance of a match, and largest ratio of the best to the second-best one.
 const MAX_DISTANCE: u32 = 64;
@@ -67,27 +68,21 @@ fn direction(frame: &Frame, feature: u32) -> Vec3 {
 
 /// Matches `(feature of now, feature of then)`.
 fn match_turned(then: &Frame, now: &Frame, predicted: &SO3, radius_px: f32) -> Vec<(u32, u32)> {
-    let (camera, bounds) = (now.rig.stereo.camera, now.bounds());
+    let turn = SE3::new(*predicted, Vec3::zeros());
     let top = (now.scales.scales.len() - 1) as u8;
     let asked = (0..then.len() as u32).filter_map(|i| {
-        let turned = *predicted * direction(then, i);
-        if turned.z <= 0.0 {
-            return None;
-        }
-        let pixel = camera.project(&turned);
-        let (x, y) = (pixel.x as f32, pixel.y as f32);
-        let is_inside = x >= bounds.min_x && x <= bounds.max_x && y >= bounds.min_y && y <= bounds.max_y;
+        let seen = project_inside(now, &turn, &direction(then, i))?;
         let keypoint = &then.keypoints[i as usize];
         let query = ProjectionQuery {
-            x,
-            y,
+            x: seen.x as f32,
+            y: seen.y as f32,
             right_u: f32::NAN,
             radius_px: radius_px * now.scales.scales[usize::from(keypoint.octave)],
             min_octave: keypoint.octave.saturating_sub(1),
             max_octave: (keypoint.octave + 1).min(top),
             descriptor: then.descriptors[i as usize],
         };
-        is_inside.then_some((i, query))
+        Some((i, query))
     });
     let accept = |_, find: &WindowMatch| {
         find.best.distance <= MAX_DISTANCE
