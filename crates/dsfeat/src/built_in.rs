@@ -236,10 +236,11 @@ mod tests {
         let rule = SelectionConfig { rule: selecting, keep: 500, spread: Spread::Cells };
         let (mut n_frames, mut worst) = (0, 0.0_f32);
         for (folder, indices) in FRAMES {
-            let mut files: Vec<_> = std::fs::read_dir(Path::new(&data).join(folder))
-                .unwrap()
-                .map(|f| f.unwrap().path())
-                .collect();
+            let Ok(entries) = std::fs::read_dir(Path::new(&data).join(folder)) else {
+                println!("skipped: DSSLAM_DATA has no {folder}");
+                continue;
+            };
+            let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
             files.sort();
             for i in indices {
                 let image = io::load_gray(&files[i]).unwrap();
@@ -253,6 +254,7 @@ mod tests {
                 n_frames += 1;
             }
         }
+        assert!(n_frames > 0, "DSSLAM_DATA has none of the sequences");
         println!("{n_frames} frames, largest difference {worst:e}");
     }
 
