@@ -2,12 +2,16 @@
 # Renders the towns, decodes all datasets and computes triplets, motion labels and the teachers' outlines into $DSFEAT_CACHE.
 # Finished parts are skipped. ONLY=two prepares only what the network with two answers needs.
 # Usage: DSFEAT_TRAINING=... DSSLAM_DATA=... DSFEAT_TOWNS=... DSFEAT_CACHE=... ./prepare.sh WEIGHTS
-# FRAMES=30 takes at most that many frames of each town and of each folder that the teachers outline: a quick trial of all steps.
+# FRAMES=16 takes at most that many frames of each town and of each folder that the teachers outline: a quick trial of all steps.
 set -eu
 weights=$1
 python=${PYTHON:-python}
 dsslam=${DSSLAM:-dsslam}
 most=${FRAMES:-100000}
+if [ "$most" -lt 9 ] && [ "${ONLY:-}" != two ]; then
+    echo "prepare.sh: FRAMES is $most; motion labels need at least 9 frames of each town" >&2
+    exit 2
+fi
 mkdir -p "$DSFEAT_TOWNS" "$DSFEAT_CACHE"
 
 render() { # preset seed frames rounds

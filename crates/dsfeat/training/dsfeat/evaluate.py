@@ -149,6 +149,11 @@ def evaluate_two(args: argparse.Namespace) -> dict[str, dict[str, float]]:
     return two_evaluate.evaluate(predict, args.cache, args.third)
 
 
+def rounded(found: dict[str, dict[str, float]]) -> dict[str, dict[str, float | None]]:
+    """Four digits of each number; `None` where a set has no pixels of a kind, for JSON knows no NaN."""
+    return {n: {k: round(v, 4) if np.isfinite(v) else None for k, v in values.items()} for n, values in found.items()}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--model", type=Path, required=True, help="ONNX model, or checkpoint of dsfeat.train (.pt)")
@@ -171,8 +176,7 @@ def main() -> None:
     for name, values in found.items():
         print(f"{name:20}", " ".join(f"{k} {v:.3f}" for k, v in values.items()))
     if args.json:
-        rounded = {n: {k: round(v, 4) for k, v in values.items()} for n, values in found.items()}
-        args.json.write_text(json.dumps(rounded, indent=1) + "\n")
+        args.json.write_text(json.dumps(rounded(found), indent=1, allow_nan=False) + "\n")
 
 
 if __name__ == "__main__":

@@ -138,9 +138,10 @@ def observed(folder: Path, lefts: list[Path], t: int, spans: tuple[int, ...], ki
 
 
 def motion(args: argparse.Namespace) -> None:
-    """Stability maps refined by motion of every STEP-th frame of rendered towns into `motion.npz`.
+    """Stability maps refined by motion of every STEP-th frame of rendered towns into `motion.npz`, but for the last frames of each.
 
     Which vehicles move says the renderer's mask, or the residuals of `dsfeat.motion` (then only the class is read of the mask).
+    Raises SystemExit where no sequence has frames enough.
     """
     images, maps, source = [], [], []
     for number, entry in enumerate(args.sequence):
@@ -164,6 +165,8 @@ def motion(args: argparse.Namespace) -> None:
             source.append(number)
             count += 1
         print(f"{name}: {count} frames", flush=True)
+    if not images:
+        raise SystemExit(f"motion: no frame can be labeled; a sequence needs more than {max(SPANS)} frames")
     np.savez(args.cache / MOTION, images=np.array(images), maps=np.array(maps), source=np.array(source))
 
 

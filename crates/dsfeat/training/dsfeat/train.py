@@ -17,7 +17,7 @@ import torch
 
 from . import losses
 from .augment import light, sample
-from .config import Config, read
+from .config import Config, read, trial
 from .curves import plot
 from .data import Scenes, add_folders, load, need
 from .evaluate import quick
@@ -189,10 +189,12 @@ def main() -> None:
     parser.add_argument("--config", type=Path, required=True, help="JSON file of settings (configs/)")
     parser.add_argument("--out", type=Path, required=True, help="folder of the run: checkpoint, log, curves")
     parser.add_argument("--threads", type=int, default=1, help="processor threads; another number changes the last bits")
+    parser.add_argument("--trial", action="store_true", help="two epochs of three steps, to see whether all is there")
     add_folders(parser)
     args = parser.parse_args()
     need(parser, args, "cache")
-    run(read(args.config), args.out, args.cache, args.threads)
+    config = read(args.config)
+    run(trial(config) if args.trial else config, args.out, args.cache, args.threads)
 
 
 if __name__ == "__main__":

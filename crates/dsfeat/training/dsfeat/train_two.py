@@ -16,6 +16,7 @@ import numpy as np
 import torch
 
 from . import losses, streets
+from .config import trial
 from .data import add_folders, need
 from .train import save, triplet_losses, write_log
 from .triplets import Triplets
@@ -241,6 +242,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder of the run: checkpoint and log")
     parser.add_argument("--third", type=int, choices=(0, 1, 2), help="leave out this third of the drives (`dsfeat.streets.THIRDS`)")
     parser.add_argument("--epochs", type=int, default=10**6, help="stop after this many epochs; the run can be continued")
+    parser.add_argument("--trial", action="store_true", help="two epochs of three steps, to see whether all is there")
     add_folders(parser)
     args = parser.parse_args()
     need(parser, args, "cache")
@@ -248,7 +250,7 @@ def main() -> None:
     config = read(args.config)
     if args.third is not None:
         config.leave_out = [*config.leave_out, *streets.THIRDS[args.third]]
-    run(config, args.start, args.out, args.cache, args.epochs)
+    run(trial(config) if args.trial else config, args.start, args.out, args.cache, args.epochs)
 
 
 if __name__ == "__main__":

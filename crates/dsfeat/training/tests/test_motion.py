@@ -1,8 +1,12 @@
 """Geometry of the motion labels and of the matches."""
 
-import numpy as np
+import argparse
 
-from dsfeat import motion
+import cv2
+import numpy as np
+import pytest
+
+from dsfeat import motion, prepare
 from dsfeat.matching import KEPT, Pair, epipolar_errors, packed, to_unit
 
 RIG = motion.Rig(700.0, (600.0, 180.0), 0.54)
@@ -105,3 +109,24 @@ def test_packed_matches_are_cut_scaled_and_padded():
     places, errors = packed(Pair(points, points, np.array([50.0, 1.0], np.float32)), (100, 50), (100, 50))
     assert places.shape == (KEPT, 4) and errors[:3].tolist() == np.float32([0.1, 1.0, -1.0]).tolist()
     assert np.allclose(to_unit(points, (100, 50))[0], [-0.99, -0.98])
+
+
+def test_motion_labels_need_frames_enough(tmp_path):
+    towns = {}
+    for name, count in (("short", max(prepare.SPANS)), ("long", max(prepare.SPANS) + 4)):
+        towns[name] = tmp_path / name
+        for part, value in (("image_0", 90), ("masks", 1)):
+            (towns[name] / part).mkdir(parents=True)
+            for i in range(count):
+                cv2.imwrite(str(towns[name] / part / f"{i:06}.png"), np.full((94, 310), value, np.uint8))
+
+    def made(*names):
+        entries = [f"{towns[name]}:2" for name in names]
+        prepare.motion(argparse.Namespace(sequence=entries, labels="masks", cache=tmp_path))
+        with np.load(tmp_path / "motion.npz") as file:
+            return file["source"].tolist()
+
+    with pytest.raises(SystemExit, match="more than 8 frames"):
+        made("short")
+    assert not (tmp_path / "motion.npz").exists()
+    assert made("short", "long") == [1, 1], "frames 0 and 2 of 12, each with 8 after it"

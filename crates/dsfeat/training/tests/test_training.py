@@ -1,12 +1,13 @@
 """The network, a step's determinism, resuming, configuration files."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import torch
 
-from dsfeat import augment, config as configuration
+from dsfeat import augment, config as configuration, train_two
 from dsfeat.network import HEIGHT, WIDTH, DSFeat, multiply_adds, restored
 from dsfeat.data import Scenes
 from dsfeat.train import Labelled, step_losses
@@ -97,3 +98,10 @@ def test_a_street_sample_is_never_mirrored_and_repaints_objects_only():
         assert np.array_equal(shown[~objects], image[~objects])
         sample = augment.street_sample(rng, image, objects.astype(np.uint8), np.zeros_like(objects), WIDTH / HEIGHT)[0]
         assert sample[:, :60].mean() > sample[:, -60:].mean()
+
+
+@pytest.mark.parametrize("settings", [configuration.Config(hybrid=True), train_two.Config(hybrid=True, milestones=[14], steps=[20, 10])])
+def test_a_trial_is_the_same_run_with_two_epochs_of_three_steps(settings):
+    short = configuration.trial(settings)
+    assert [short.steps_in(epoch) for epoch in range(short.epochs)] == [3, 3]
+    assert replace(short, epochs=settings.epochs, steps=settings.steps) == settings

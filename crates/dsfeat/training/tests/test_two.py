@@ -1,12 +1,14 @@
 """The network with two answers: shapes, what the answers mean, codes of frames, views, a step's determinism, export."""
 
+import json
+
 import cv2
 import numpy as np
 import onnx
 import pytest
 import torch
 
-from dsfeat import mixed, points, streets, train_two, two_evaluate, two_export, views
+from dsfeat import evaluate, mixed, points, streets, train_two, two_evaluate, two_export, views
 from dsfeat.streets import IGNORED, MOVING, STANDING, STILL, VEHICLE, Frames
 from dsfeat.teachers import tiles
 from dsfeat.two_answers import PIXELS, Logits, TwoAnswers, places, size_for
@@ -237,3 +239,13 @@ def test_boxes_tell_what_a_tracked_point_is(tmp_path):
     # The frame's own disparity places the feature, not the map's point, which may have been left behind.
     assert label(3, 600, z=14.0, du=focal * base / depth - focal * base / 14.0) == streets.LABEL_MOVING
     assert label(3, 600, dr=np.nan) == 0
+
+
+def test_a_measure_without_pixels_is_null_in_the_figures():
+    some = frames()
+    some.codes[:] = STILL
+    predict = (lambda shown: (np.full((len(shown), 32, 100), 0.75),) * 2, lambda aspect: (64, 200))
+    found = {"some": two_evaluate.states(predict, [some]), "classes": two_evaluate.classes(predict, some)}
+    written = json.loads(json.dumps(evaluate.rounded(found), allow_nan=False))
+    assert written["some"]["auc_still_moving"] is None and written["classes"]["auc"] is None
+    assert written["some"]["mean_still"] == pytest.approx(0.75, abs=1e-3)
