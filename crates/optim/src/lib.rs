@@ -16,6 +16,7 @@ mod common;
 
 mod bundle;
 pub mod convex;
+mod descent;
 pub mod loop_test;
 mod pose;
 pub mod pose_graph;

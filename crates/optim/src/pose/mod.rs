@@ -9,9 +9,9 @@ mod normal;
 
 use geometry::{SE3, StereoRig, Vec2, Vec3, Vec6};
 
-use crate::bundle::solver::Damping;
+use crate::descent::{Attempt, Descent};
 use crate::report::{Report, StopReason};
-use crate::robust::{Loss, NEGLIGIBLE_DECREASE};
+use crate::robust::Loss;
 use normal::{Normal, Packs};
 use simd::Simd;
 
@@ -97,7 +97,7 @@ pub(crate) fn refine_pose_with(
     options: &PoseOptions,
     simd: Simd,
 ) -> PoseSolution {
-    let mut descent = Descent {
+    let mut stages = Stages {
         packs: Packs::new(rig, observations, simd),
         active: Vec::new(),
         loss: Loss::Huber,
@@ -106,14 +106,14 @@ pub(crate) fn refine_pose_with(
         stop: StopReason::NoData,
     };
     for factor in [f64::INFINITY].into_iter().chain(GRADUATED_LIMITS) {
-        descent.stage(factor * options.limit_factor, Loss::Huber, options);
+        stages.stage(factor * options.limit_factor, Loss::Huber, options);
     }
     for _ in 0..options.max_plain_stages {
-        if !descent.stage(options.limit_factor, Loss::Squared, options) {
+        if !stages.stage(options.limit_factor, Loss::Squared, options) {
             break;
         }
     }
-    let Descent { mut packs, mut cam_from_world, iterations, stop, .. } = descent;
+    let Stages { mut packs, mut cam_from_world, iterations, stop, .. } = stages;
     if iterations > 0 {
         cam_from_world = cam_from_world.normalized();
     }
@@ -130,7 +130,7 @@ pub(crate) fn refine_pose_with(
 }
 
 /// The state that goes from stage to stage.
-struct Descent {
+struct Stages {
     packs: Packs,
     /// Observations of the last stage.
     active: Vec<bool>,
@@ -141,7 +141,7 @@ struct Descent {
     stop: StopReason,
 }
 
-impl Descent {
+impl Stages {
     /// Minimizes over the observations within `limit_factor`; `false` where that would change nothing, or they are too few.
     fn stage(&mut self, limit_factor: f64, loss: Loss, options: &PoseOptions) -> bool {
         let active = self.packs.within(&self.cam_from_world, limit_factor);
@@ -161,30 +161,24 @@ impl Descent {
             Loss::Huber => options.robust_tolerance,
             Loss::Squared => options.plain_tolerance,
         };
+        let descent = Descent {
+            max_iterations: options.max_iterations,
+            tolerance,
+            initial_damping: options.initial_damping,
+        };
         let mut current = self.packs.normal(&self.cam_from_world, self.loss);
-        let mut damping = Damping::new(options.initial_damping);
-        for _ in 0..options.max_iterations {
-            self.iterations += 1;
-            let mut decrease = f64::NAN;
-            if let Some(step) = damped_step(&current, damping.lambda) {
-                let trial_pose = SE3::exp(&Vec6::from(step.vector)) * self.cam_from_world;
-                let trial = self.packs.normal(&trial_pose, self.loss);
-                decrease = current.cost - trial.cost;
-                let is_last = step.predicted <= (tolerance * current.cost).max(NEGLIGIBLE_DECREASE);
-                if decrease > 0.0 {
-                    self.cam_from_world = trial_pose;
-                    damping.accept(decrease / step.predicted);
-                    current = trial;
-                }
-                if is_last {
-                    return StopReason::Converged;
-                }
+        let (iterations, stop) = descent.run(|lambda| {
+            let step = damped_step(&current, lambda)?;
+            let trial_pose = SE3::exp(&Vec6::from(step.vector)) * self.cam_from_world;
+            let trial = self.packs.normal(&trial_pose, self.loss);
+            let (cost, decrease) = (current.cost, current.cost - trial.cost);
+            if decrease > 0.0 {
+                (self.cam_from_world, current) = (trial_pose, trial);
             }
-            if !(decrease > 0.0) && !damping.raise() {
-                return StopReason::NoDescent;
-            }
-        }
-        StopReason::IterationLimit
+            Some(Attempt { cost, decrease, predicted: step.predicted })
+        });
+        self.iterations += iterations;
+        stop
     }
 }
 
