@@ -93,6 +93,15 @@ pub fn load_frame(source: &FrameSource) -> Result<LoadedFrame, ImageError> {
     Ok(frame)
 }
 
-fn check_size(path: &Path, found: ImageSize, expected: ImageSize, because: &str) -> Result<(), ImageError> {
+/// Compares the size of an image with the one that it should have; `because` says where that comes from.
+///
+/// # Errors
+/// [`ImageError::WrongSize`].
+pub fn check_size(
+    path: &Path,
+    found: ImageSize,
+    expected: ImageSize,
+    because: &str,
+) -> Result<(), ImageError> {
     if found == expected { Ok(()) } else { Err(ImageError::wrong_size(path, found, expected, because)) }
 }
