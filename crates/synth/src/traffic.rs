@@ -218,18 +218,14 @@ impl Traffic {
             label,
             gain,
         };
-        let mut out: Vec<Instance> = Vec::new();
-        for slot in &self.slots {
-            if let Some((kind, gain)) = self.parked_in(slot, driven) {
-                out.push(vehicle(&kind, slot.placement, LABEL_PARKED, gain));
-            }
-        }
-        for mover in &self.movers {
-            if let Some(placement) = mover.placement(course, drive, t) {
-                out.push(vehicle(&mover.kind, placement, LABEL_MOVING, mover.gain));
-            }
-        }
-        out
+        let parked = self.slots.iter().filter_map(|slot| {
+            let (kind, gain) = self.parked_in(slot, driven)?;
+            Some(vehicle(&kind, slot.placement, LABEL_PARKED, gain))
+        });
+        let moving = self.movers.iter().filter_map(|mover| {
+            Some(vehicle(&mover.kind, mover.placement(course, drive, t)?, LABEL_MOVING, mover.gain))
+        });
+        parked.chain(moving).collect()
     }
 
     /// Who stands in a slot now. Cars are exchanged while we are on the other side of the course.
