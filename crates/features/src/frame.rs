@@ -85,8 +85,8 @@ pub struct Bounds {
 impl Bounds {
     /// Whether a pixel lies inside, the left and upper edge included.
     pub fn contains(&self, pixel: &Vec2) -> bool {
-        let (x, y) = (pixel.x as f32, pixel.y as f32);
-        x >= self.min_x && x < self.max_x && y >= self.min_y && y < self.max_y
+        let [min_x, max_x, min_y, max_y] = [self.min_x, self.max_x, self.min_y, self.max_y].map(f64::from);
+        (min_x..max_x).contains(&pixel.x) && (min_y..max_y).contains(&pixel.y)
     }
 }
 
