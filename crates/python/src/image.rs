@@ -81,7 +81,12 @@ impl<'py> Pixels<'py> {
 }
 
 /// How the bytes lie; `None` where they have to be copied.
-fn layout(array: &Bound<'_, PyArrayDyn<u8>>, width: usize, channels: usize, color: PixelFormat) -> Option<Layout> {
+fn layout(
+    array: &Bound<'_, PyArrayDyn<u8>>,
+    width: usize,
+    channels: usize,
+    color: PixelFormat,
+) -> Option<Layout> {
     let strides = array.strides();
     let stride = usize::try_from(strides[0]).ok().filter(|&stride| stride >= width * channels)?;
     match (channels, strides[1], strides.get(2)) {

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Pair, World, slalom};
-use dsslam_slam::{Lost, NotReady, CameraParams, Params, TrackState};
+use dsslam_slam::{CameraParams, Lost, NotReady, Params, TrackState};
 use features::Frame;
 use geometry::SE3;
 use std::sync::Arc;

@@ -7,7 +7,9 @@ use std::sync::Arc;
 
 use bow::Vocabulary;
 use common::{Pair, World};
-use dsslam_slam::{LoopCloser, LoopOutcome, NoProbe, CameraParams, Params, TrackState, Tracked, adjust_globally};
+use dsslam_slam::{
+    CameraParams, LoopCloser, LoopOutcome, NoProbe, Params, TrackState, Tracked, adjust_globally,
+};
 use geometry::{SE3, SO3, Vec3};
 
 const RADIUS_M: f64 = 22.0;

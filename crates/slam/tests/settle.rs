@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Pair, World, slalom};
-use dsslam_slam::{NoProbe, CameraParams, Params};
+use dsslam_slam::{CameraParams, NoProbe, Params};
 
 const FRAMES: u32 = 60;
 

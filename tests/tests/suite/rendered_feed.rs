@@ -58,7 +58,11 @@ impl RenderedFeed {
         Setup {
             extractor: ExtractorConfig { keep: 700, ..ExtractorConfig::default() },
             vocabulary: Some(vocabulary),
-            ..Setup::new(Sensor::Stereo, Arc::new(rig), Params::of(CameraParams::stereo(40.0 * baseline_m, 10.0)))
+            ..Setup::new(
+                Sensor::Stereo,
+                Arc::new(rig),
+                Params::of(CameraParams::stereo(40.0 * baseline_m, 10.0)),
+            )
         }
     }
 }

@@ -31,37 +31,29 @@ pub struct PoseObservation {
 /// Multiples of the chi-square limit by which the robust stages choose their observations, after a first stage with all: at
 /// 5 and 2 times the deviation of an inlier on the limit. Without them half of the problems with 60 % outliers end wrong.
 const GRADUATED_LIMITS: [f64; 2] = [25.0, 4.0];
+/// A stage with fewer observations is left out.
+const MIN_OBSERVATIONS: usize = 6;
+/// Limit on stages of plain least squares over the inliers; they end when the set of inliers stays the same.
+const MAX_PLAIN_STAGES: usize = 3;
+/// A robust stage ends once a step changes the cost by less than this part of it.
+const ROBUST_TOLERANCE: f64 = 1e-3;
+/// Levenberg-Marquardt damping of the first step, relative to the diagonal of the normal equations.
+const INITIAL_DAMPING: f64 = 1e-5;
 
 /// How to refine a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseOptions {
     /// Inliers have a squared error of at most this times [`crate::CHI2_MONO`] or [`crate::CHI2_STEREO`].
     pub limit_factor: f64,
-    /// A stage with fewer observations is left out.
-    pub min_observations: usize,
-    /// Limit on stages of plain least squares over the inliers; they end when the set of inliers stays the same.
-    pub max_plain_stages: usize,
     /// Limit on linear systems solved per stage.
     pub max_iterations: usize,
-    /// A robust stage ends once a step changes the cost by less than this part of it.
-    pub robust_tolerance: f64,
-    /// The same for plain stages.
+    /// A plain stage ends once a step changes the cost by less than this part of it.
     pub plain_tolerance: f64,
-    /// Levenberg-Marquardt damping of the first step, relative to the diagonal of the normal equations.
-    pub initial_damping: f64,
 }
 
 impl Default for PoseOptions {
     fn default() -> Self {
-        Self {
-            limit_factor: 1.0,
-            min_observations: 6,
-            max_plain_stages: 3,
-            max_iterations: 10,
-            robust_tolerance: 1e-3,
-            plain_tolerance: 1e-6,
-            initial_damping: 1e-5,
-        }
+        Self { limit_factor: 1.0, max_iterations: 10, plain_tolerance: 1e-6 }
     }
 }
 
@@ -108,7 +100,7 @@ pub(crate) fn refine_pose_with(
     for factor in [f64::INFINITY].into_iter().chain(GRADUATED_LIMITS) {
         stages.stage(factor * options.limit_factor, Loss::Huber, options);
     }
-    for _ in 0..options.max_plain_stages {
+    for _ in 0..MAX_PLAIN_STAGES {
         if !stages.stage(options.limit_factor, Loss::Squared, options) {
             break;
         }
@@ -146,7 +138,7 @@ impl Stages {
     fn stage(&mut self, limit_factor: f64, loss: Loss, options: &PoseOptions) -> bool {
         let active = self.packs.within(&self.cam_from_world, limit_factor);
         let n_active = active.iter().filter(|&&a| a).count();
-        if n_active < options.min_observations || (active == self.active && loss == self.loss) {
+        if n_active < MIN_OBSERVATIONS || (active == self.active && loss == self.loss) {
             return false;
         }
         self.packs.set_active(&active);
@@ -158,14 +150,11 @@ impl Stages {
     /// Levenberg-Marquardt over the active observations.
     fn minimize(&mut self, options: &PoseOptions) -> StopReason {
         let tolerance = match self.loss {
-            Loss::Huber => options.robust_tolerance,
+            Loss::Huber => ROBUST_TOLERANCE,
             Loss::Squared => options.plain_tolerance,
         };
-        let descent = Descent {
-            max_iterations: options.max_iterations,
-            tolerance,
-            initial_damping: options.initial_damping,
-        };
+        let descent =
+            Descent { max_iterations: options.max_iterations, tolerance, initial_damping: INITIAL_DAMPING };
         let mut current = self.packs.normal(&self.cam_from_world, self.loss);
         let (iterations, stop) = descent.run(|lambda| {
             let step = damped_step(&current, lambda)?;

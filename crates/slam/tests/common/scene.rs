@@ -9,7 +9,7 @@ use map::{Batch, KeyframeId, Map, NewKeyframe, NewPoint, Observation, Parent, Po
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{Mapper, CameraParams, Params, World};
+use crate::{CameraParams, Mapper, Params, World};
 
 /// Focal length, pixels.
 pub(crate) const FOCAL_PX: f64 = 500.0;

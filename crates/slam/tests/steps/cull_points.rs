@@ -4,8 +4,8 @@ use geometry::SE3;
 use map::{PointCount, PointId};
 
 use super::*;
-use crate::{CameraParams, Params};
 use crate::scene::{Scene, Shot, add, at, mapper, params, shot};
+use crate::{CameraParams, Params};
 
 /// A first keyframe with four points and `n` further keyframes of which the first `observers[i]` observe point `i`.
 fn world(observers: [usize; 4], n: usize, stereo: bool, params: &Params) -> Mapper {

@@ -3,8 +3,8 @@
 use geometry::{SE3, Vec3};
 
 use super::*;
-use crate::{CameraParams, Params};
 use crate::scene::{BASELINE_M, Scene, Shot, add, at, mapper, params, shot};
+use crate::{CameraParams, Params};
 
 /// Landmarks that both keyframes have as points; the others wait for triangulation.
 const SHARED: usize = 5;
