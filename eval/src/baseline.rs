@@ -22,6 +22,9 @@ pub enum Metric {
 }
 
 impl Metric {
+    /// All of them, in the order of tables and figures.
+    pub const ALL: [Self; 4] = [Self::TRelPercent, Self::RRelDegPer100m, Self::AteRmseM, Self::Auc];
+
     /// Name with unit, for heads and axes.
     pub fn label(self) -> &'static str {
         match self {

@@ -67,9 +67,7 @@ impl Drift {
     pub fn from_segments(segments: Vec<Segment>, n_without_estimate: usize) -> Drift {
         let t_percent: Vec<f64> = segments.iter().map(|s| s.t_err * 100.0).collect();
         let stats = Statistics::of(&t_percent);
-        let mut lengths: Vec<f64> = segments.iter().map(|s| s.length_m).collect();
-        lengths.sort_by(f64::total_cmp);
-        lengths.dedup();
+        let lengths = distinct(segments.iter().map(|s| s.length_m));
         Drift {
             t_rel_percent: stats.map(|s| s.mean),
             r_rel_deg_per_100m: mean_r_rel(&segments),
@@ -95,14 +93,19 @@ impl Drift {
             0.5
         };
         let range_of = |s: &Segment| (speed(s) / width).floor();
-        let mut ranges: Vec<f64> = self.segments.iter().map(range_of).collect();
-        ranges.sort_by(f64::total_cmp);
-        ranges.dedup();
-        ranges
+        distinct(self.segments.iter().map(range_of))
             .iter()
             .filter_map(|&range| bin(&self.segments, (range + 0.5) * width, |s| range_of(s) == range))
             .collect()
     }
+}
+
+/// Each value once, ascending.
+fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
 }
 
 /// Drift of a complete estimate: one pose `world_from_cam` per frame of the ground truth, lost frames filled

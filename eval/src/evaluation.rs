@@ -287,7 +287,7 @@ impl Matched {
     }
 
     /// Frames with a pose, and the true poses there.
-    fn tracked(&self) -> (Vec<SE3>, Vec<SE3>) {
+    pub fn tracked(&self) -> (Vec<SE3>, Vec<SE3>) {
         self.est.iter().zip(&self.gt).filter_map(|(e, g)| e.map(|e| (e, *g))).unzip()
     }
 

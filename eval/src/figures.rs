@@ -36,7 +36,6 @@ pub fn result_figures(results: &Results, baselines: &[Baseline]) -> (Vec<NamedFi
 
 /// One chart per metric, from the same table that is printed.
 fn bars(results: &Results, baselines: &[Baseline]) -> Result<Vec<NamedFigure>> {
-    let metrics = [Metric::TRelPercent, Metric::RRelDegPer100m, Metric::AteRmseM, Metric::Auc];
     let chart = |metric: Metric| {
         let table = metric_table(results, baselines, metric)?;
         let has_values =
@@ -56,7 +55,7 @@ fn bars(results: &Results, baselines: &[Baseline]) -> Result<Vec<NamedFigure>> {
             figure,
         }))
     };
-    metrics.into_iter().filter_map(chart).collect()
+    Metric::ALL.into_iter().filter_map(chart).collect()
 }
 
 /// Drift by length and by speed, all sequences together, one curve per configuration.

@@ -24,7 +24,7 @@ pub struct PrecisionRecall {
 }
 
 /// Precision and recall for every threshold, and the area under the curve.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PrecisionRecallCurve {
     /// One point per distinct score, thresholds ascending.
     pub points: Vec<PrecisionRecall>,

@@ -26,7 +26,7 @@ pub fn html_report(
          <meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n"
     );
     text += &introduction(results);
-    for metric in [Metric::TRelPercent, Metric::RRelDegPer100m, Metric::AteRmseM, Metric::Auc] {
+    for metric in Metric::ALL {
         if let Some(table) = metric_table(results, baselines, metric) {
             text += &table.to_html();
         }

@@ -51,7 +51,7 @@ fn main() {
         width: image.width,
         height: image.height,
     };
-    let params = slam::Params::stereo(close_depth_m, 10.0);
+    let params = slam::Params::of(slam::CameraParams::stereo(close_depth_m, 10.0));
     let all = Setup {
         schedule: Schedule::Sequential,
         ..Setup::new(runtime::Sensor::Stereo, Arc::new(rig), params)

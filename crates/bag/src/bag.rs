@@ -33,23 +33,27 @@ pub struct Bag {
     path: PathBuf,
     files: Files,
     topics: Vec<Topic>,
-    /// How the messages of each topic are written.
-    wires: Vec<Wire>,
-    /// Images of each topic by stamp.
-    stamps: Vec<Vec<Stamp>>,
-    /// The first `CameraInfo` of each topic.
-    cameras: Vec<Option<CameraInfo>>,
+    /// Of each topic.
+    contents: Vec<Content>,
     poses: PoseStream,
     remarks: Vec<String>,
+}
+
+/// What is kept of a topic's messages.
+struct Content {
+    /// How they are written.
+    wire: Wire,
+    /// Its images, by stamp once the scan is over.
+    stamps: Vec<Stamp>,
+    /// Its first `CameraInfo`.
+    camera: Option<CameraInfo>,
 }
 
 /// What a scan has gathered.
 #[derive(Default)]
 struct Gathered {
     topics: Vec<Topic>,
-    wires: Vec<Wire>,
-    stamps: Vec<Vec<Stamp>>,
-    cameras: Vec<Option<CameraInfo>>,
+    contents: Vec<Content>,
     poses: Vec<StampedTransform>,
     /// Messages that do not hold what their type says, and the first one's reason.
     unreadable: usize,
@@ -62,9 +66,7 @@ impl Gathered {
             Some(i) => i,
             None => {
                 self.topics.push(Topic::new(seen.topic.to_owned(), seen.type_name.to_owned()));
-                self.wires.push(seen.wire);
-                self.stamps.push(Vec::new());
-                self.cameras.push(None);
+                self.contents.push(Content { wire: seen.wire, stamps: Vec::new(), camera: None });
                 self.topics.len() - 1
             }
         };
@@ -87,23 +89,21 @@ impl Gathered {
                 if self.topics[i].encoding.is_none() {
                     self.describe(i, data, wire)?;
                 }
-                self.stamps[i].push(Stamp { t_ns, place });
+                self.contents[i].stamps.push(Stamp { t_ns, place });
                 Ok(t_ns)
             }
             Kind::CameraInfo => {
-                if self.cameras[i].is_none() {
-                    self.cameras[i] = Some(CameraInfo::of(data, wire)?);
+                if self.contents[i].camera.is_none() {
+                    self.contents[i].camera = Some(CameraInfo::of(data, wire)?);
                 }
                 messages::header_stamp(data, wire)
             }
             Kind::Imu => messages::header_stamp(data, wire),
             _ if kind.has_poses() && pose_topic == Some(seen.topic) => {
-                match kind {
-                    Kind::Odometry | Kind::TransformStamped => {
-                        self.poses.push(messages::stamped_pose(data, wire, true)?);
-                    }
-                    Kind::PoseStamped => self.poses.push(messages::stamped_pose(data, wire, false)?),
-                    _ => self.poses.extend(messages::transforms(data, wire)?),
+                if kind == Kind::Transforms {
+                    self.poses.extend(messages::transforms(data, wire)?);
+                } else {
+                    self.poses.push(messages::stamped_pose(data, wire, kind != Kind::PoseStamped)?);
                 }
                 Ok(self.poses.last().map_or(seen.log_ns, |pose| pose.t_ns))
             }
@@ -141,7 +141,7 @@ impl Bag {
             })?;
             remarks.extend(remark);
         }
-        let Gathered { topics, wires, mut stamps, cameras, poses, unreadable, first_reason } = gathered;
+        let Gathered { topics, mut contents, poses, unreadable, first_reason } = gathered;
         if let Some(name) = pose_topic
             && !topics.iter().any(|topic| topic.name == name && topic.kind.has_poses())
         {
@@ -154,7 +154,7 @@ impl Bag {
                 path.display()
             ));
         }
-        for (stamps, topic) in stamps.iter_mut().zip(&topics) {
+        for (Content { stamps, .. }, topic) in contents.iter_mut().zip(&topics) {
             stamps.sort_by_key(|stamp| stamp.t_ns);
             let n = stamps.len();
             stamps.dedup_by_key(|stamp| stamp.t_ns);
@@ -167,7 +167,7 @@ impl Bag {
             }
         }
         let poses = PoseStream(poses);
-        Ok(Self { path: path.to_path_buf(), files, topics, wires, stamps, cameras, poses, remarks })
+        Ok(Self { path: path.to_path_buf(), files, topics, contents, poses, remarks })
     }
 
     /// File or folder.
@@ -182,7 +182,7 @@ impl Bag {
 
     /// Images of a topic, by stamp.
     pub fn stamps(&self, topic: usize) -> &[Stamp] {
-        &self.stamps[topic]
+        &self.contents[topic].stamps
     }
 
     /// The `CameraInfo` beside an image topic: that of the same folder of names.
@@ -193,7 +193,7 @@ impl Bag {
             let at =
                 self.topics.iter().position(|topic| topic.name == wanted && topic.kind == Kind::CameraInfo);
             if let Some(at) = at {
-                return self.cameras[at].as_ref();
+                return self.contents[at].camera.as_ref();
             }
             folder = parent;
         }
@@ -221,7 +221,7 @@ impl Bag {
             return Err(BagError::Message { topic: name(), t_ns, reason: "its file is gone".to_owned() });
         };
         let bytes = storage.read(place)?;
-        let picture = Picture::of(&bytes, self.wires[topic], self.topics[topic].kind, wants_depth);
+        let picture = Picture::of(&bytes, self.contents[topic].wire, self.topics[topic].kind, wants_depth);
         picture.map_err(|reason| BagError::Message { topic: name(), t_ns, reason })
     }
 }

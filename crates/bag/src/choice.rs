@@ -112,13 +112,11 @@ const ASIDE: [&str; 4] = ["theora", "overlay", "debug", "annotated"];
 /// # Errors
 /// A topic that is not there, or a bag without images.
 pub fn choose(path: &Path, topics: &[Topic], roles: Option<&Roles>) -> Result<Choice, BagError> {
-    let images = || topics.iter().filter(|topic| topic.kind.is_image() && topic.count > 0);
+    let images = || topics.iter().filter(|topic| topic.has_images());
     if let Some(Roles(roles)) = roles {
         let of = |wanted: Role| {
             let Some((role, name)) = roles.iter().find(|(role, _)| *role == wanted) else { return Ok(None) };
-            let at = topics
-                .iter()
-                .position(|topic| topic.name == *name && topic.kind.is_image() && topic.count > 0);
+            let at = topics.iter().position(|topic| topic.name == *name && topic.has_images());
             let missing = || BagError::NoTopic {
                 path: path.to_path_buf(),
                 role: role.word(),
@@ -130,8 +128,7 @@ pub fn choose(path: &Path, topics: &[Topic], roles: Option<&Roles>) -> Result<Ch
         let left = of(Role::Left)?.ok_or_else(|| BagError::BadRoles(String::new()))?;
         return Ok(Choice { left, right: of(Role::Right)?, depth: of(Role::Depth)? });
     }
-    let mut ranked: Vec<usize> =
-        (0..topics.len()).filter(|&i| topics[i].kind.is_image() && topics[i].count > 0).collect();
+    let mut ranked: Vec<usize> = (0..topics.len()).filter(|&i| topics[i].has_images()).collect();
     ranked.retain(|&i| !ASIDE.iter().any(|word| topics[i].name.contains(word)));
     ranked.sort_by_key(|&i| {
         let topic = &topics[i];

@@ -78,3 +78,13 @@ pub enum BagError {
         known: String,
     },
 }
+
+impl BagError {
+    /// What is said of a scan that this ended early, unless the file cannot be read at all.
+    pub(crate) fn ends_scan(self) -> Result<String, BagError> {
+        match self {
+            BagError::Unreadable { .. } => Err(self),
+            _ => Ok(format!("{self}; what follows is left out")),
+        }
+    }
+}

@@ -128,23 +128,16 @@ fn depth(image: &RawImage<'_>, pixel: usize, value: impl Fn(&[u8]) -> f32) -> De
 fn bayer(image: &RawImage<'_>, red: [usize; 2]) -> Decoded<Picture> {
     let mosaic = raster(image, 1, |p| p[0])?;
     let (width, height) = (mosaic.width, mosaic.height);
-    // Of each color: whether a pixel has it.
-    let has = |color: usize, x: usize, y: usize| {
-        let (dx, dy) = ((x + red[0]) % 2, (y + red[1]) % 2);
-        match color {
-            0 => dx == 0 && dy == 0,
-            1 => dx != dy,
-            _ => dx == 1 && dy == 1,
-        }
-    };
+    // The color that a pixel has: red, green, blue.
+    let kind = |x: usize, y: usize| (x + red[0]) % 2 + (y + red[1]) % 2;
     let color = |color: usize, x: usize, y: usize| {
-        if has(color, x, y) {
+        if kind(x, y) == color {
             return mosaic.at(x, y);
         }
         let (mut sum, mut n) = (0_u32, 0_u32);
         for near_y in y.saturating_sub(1)..(y + 2).min(height) {
             for near_x in x.saturating_sub(1)..(x + 2).min(width) {
-                if has(color, near_x, near_y) {
+                if kind(near_x, near_y) == color {
                     sum += u32::from(mosaic.at(near_x, near_y));
                     n += 1;
                 }

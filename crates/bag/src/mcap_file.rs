@@ -31,8 +31,6 @@ pub(crate) struct McapFile {
     is_packed: bool,
     schemas: BTreeMap<u16, String>,
     channels: BTreeMap<u16, Channel>,
-    /// The chunk read last.
-    chunk: Option<(u64, Vec<u8>)>,
     /// Chunks that are whole and damaged, and what is wrong with the first.
     damaged: (usize, Option<String>),
 }
@@ -45,27 +43,8 @@ impl McapFile {
             is_packed,
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
-            chunk: None,
             damaged: (0, None),
         })
-    }
-
-    /// Code and body of the record at `at`.
-    fn record(&mut self, at: u64) -> Result<(u8, Vec<u8>), BagError> {
-        let head = self.pieces.read(at, HEAD)?;
-        Ok((head[0], self.pieces.read(at + HEAD, length_of(&head))?))
-    }
-
-    /// The records in the chunk at `at`.
-    fn unpack(&mut self, at: u64) -> Result<(), BagError> {
-        if self.chunk.as_ref().is_some_and(|(place, _)| *place == at) {
-            return Ok(());
-        }
-        let (code, body) = self.record(at)?;
-        let records = if code == op::CHUNK { chunk(&body) } else { Err("a chunk has moved".to_owned()) };
-        let records = records.map_err(|reason| self.pieces.broken(at, reason))?;
-        self.chunk = Some((at, records));
-        Ok(())
     }
 
     /// A schema or a channel is remembered.
@@ -115,9 +94,7 @@ impl McapFile {
     }
 
     fn scan_chunk(&mut self, at: u64, visit: &mut dyn FnMut(Seen<'_>)) -> Result<(), BagError> {
-        self.unpack(at)?;
-        // Taken out, since channels are learned on the way.
-        let Some((_, records)) = self.chunk.take() else { return Ok(()) };
+        let records = self.pieces.chunk(at, unpack)?;
         let mut here = 0;
         let mut walk = || -> Result<(), String> {
             while let Some(head) = records.get(here..here + HEAD as usize) {
@@ -135,9 +112,7 @@ impl McapFile {
             }
             Ok(())
         };
-        walk().map_err(|reason| self.pieces.broken(at, reason))?;
-        self.chunk = Some((at, records));
-        Ok(())
+        walk().map_err(|reason| self.pieces.broken(at, reason))
     }
 
     /// As [`McapFile::scan_chunk`]; a chunk that is damaged is left out where the next one can be found behind it.
@@ -192,25 +167,20 @@ impl Storage for McapFile {
             match self.step(at, visit) {
                 Ok(Some(next)) => at = next,
                 Ok(None) => return Ok(self.remark(None)),
-                Err(error @ BagError::Unreadable { .. }) => return Err(error),
-                Err(error) => return Ok(self.remark(Some(format!("{error}; what follows is left out")))),
+                Err(error) => return error.ends_scan().map(|end| self.remark(Some(end))),
             }
         }
     }
 
     fn read(&mut self, place: Place) -> Result<Vec<u8>, BagError> {
         let head = self.pieces.read(place.record, HEAD)?;
-        let (offset, length) = (place.offset as usize, place.length as usize);
         let data = if head[0] == op::MESSAGE {
-            self.pieces.read(place.record + u64::from(place.offset), u64::from(place.length))?
+            Ok(self.pieces.read(place.record + u64::from(place.offset), u64::from(place.length))?)
         } else {
-            self.unpack(place.record)?;
-            let records = self.chunk.as_ref().map_or(&[][..], |(_, records)| records);
-            let data = records.get(offset..offset + length);
-            data.ok_or_else(|| self.pieces.broken(place.record, "a message has moved".to_owned()))?.to_vec()
+            place.cut(&self.pieces.chunk(place.record, unpack)?)
         };
-        let data = plain(&data, self.is_packed).map_err(|reason| self.pieces.broken(place.record, reason))?;
-        Ok(data.into_owned())
+        let data = data.and_then(|data| Ok(plain(&data, self.is_packed)?.into_owned()));
+        data.map_err(|reason| self.pieces.broken(place.record, reason))
     }
 }
 
@@ -219,8 +189,16 @@ fn length_of(head: &[u8]) -> u64 {
     head[1..9].iter().rev().fold(0, |length, byte| length << 8 | u64::from(*byte))
 }
 
+/// The records in the chunk at `at`.
+fn unpack(pieces: &mut Pieces, at: u64) -> Result<Vec<u8>, BagError> {
+    let head = pieces.read(at, HEAD)?;
+    let body = pieces.read(at + HEAD, length_of(&head))?;
+    let records = if head[0] == op::CHUNK { records(&body) } else { Err("a chunk has moved".to_owned()) };
+    records.map_err(|reason| pieces.broken(at, reason))
+}
+
 /// The records in a chunk.
-fn chunk(body: &[u8]) -> Result<Vec<u8>, String> {
+fn records(body: &[u8]) -> Result<Vec<u8>, String> {
     let Record::Chunk { header, data } = parse_record(op::CHUNK, body).map_err(|error| error.to_string())?
     else {
         return Err("not a chunk".to_owned());

@@ -104,21 +104,18 @@ fn pose(of: &mut Decoder<'_>) -> Decoded<SE3> {
 
 /// The pose of an Odometry or PoseStamped message; the child is empty where the message does not name it.
 pub(crate) fn stamped_pose(bytes: &[u8], wire: Wire, has_child: bool) -> Decoded<StampedTransform> {
-    let mut of = Decoder::new(bytes, wire)?;
+    transform(&mut Decoder::new(bytes, wire)?, has_child)
+}
+
+fn transform(of: &mut Decoder<'_>, has_child: bool) -> Decoded<StampedTransform> {
     let (t_ns, parent) = of.header()?;
     let child = if has_child { of.text()? } else { String::new() };
-    Ok(StampedTransform { t_ns, parent, child, pose: pose(&mut of)? })
+    Ok(StampedTransform { t_ns, parent, child, pose: pose(of)? })
 }
 
 /// The transforms of a TFMessage.
 pub(crate) fn transforms(bytes: &[u8], wire: Wire) -> Decoded<Vec<StampedTransform>> {
     let mut of = Decoder::new(bytes, wire)?;
     let n = of.u32()?;
-    let mut all = Vec::new();
-    for _ in 0..n {
-        let (t_ns, parent) = of.header()?;
-        let child = of.text()?;
-        all.push(StampedTransform { t_ns, parent, child, pose: pose(&mut of)? });
-    }
-    Ok(all)
+    (0..n).map(|_| transform(&mut of, true)).collect()
 }

@@ -18,7 +18,7 @@ const ENDINGS: [&str; 3] = ["db3", "mcap", "bag"];
 /// What describes a folder of rosbag2.
 const METADATA: &str = "metadata.yaml";
 /// Bytes that tell the kind of a file.
-const HEAD: usize = 16;
+const HEAD: u64 = 16;
 
 /// What `metadata.yaml` tells that is of use here.
 #[derive(Deserialize, Default)]
@@ -130,16 +130,9 @@ fn listed(folder: &Path, remarks: &mut Vec<String>) -> (Vec<PathBuf>, bool) {
 impl Files {
     fn add(&mut self, path: &Path, is_packed: bool) -> Result<(), BagError> {
         let unreadable = |reason| BagError::Unreadable { path: path.to_path_buf(), reason };
-        let mut head = [0; HEAD];
-        let mut file = File::open(path).map_err(unreadable)?;
-        let mut n = 0;
-        while n < HEAD {
-            match file.read(&mut head[n..]).map_err(unreadable)? {
-                0 => break,
-                read => n += read,
-            }
-        }
-        let head = &head[..n];
+        let mut head = Vec::new();
+        let file = File::open(path).map_err(unreadable)?;
+        file.take(HEAD).read_to_end(&mut head).map_err(unreadable)?;
         if head.starts_with(ZSTD) {
             let copy = unpacked(path)?;
             self.add(&copy, is_packed)?;
@@ -153,9 +146,10 @@ impl Files {
         } else if head.starts_with(sqlite_file::MAGIC) {
             Box::new(SqliteFile::open(path, is_packed)?)
         } else {
-            let found = match n {
-                0 => "an empty file".to_owned(),
-                _ => format!("a file that begins with {:?}", String::from_utf8_lossy(head)),
+            let found = if head.is_empty() {
+                "an empty file".to_owned()
+            } else {
+                format!("a file that begins with {:?}", String::from_utf8_lossy(&head))
             };
             return Err(BagError::NotABag { path: path.to_path_buf(), found });
         };

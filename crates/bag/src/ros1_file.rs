@@ -23,8 +23,6 @@ type Connection = (String, String);
 pub(crate) struct Ros1File {
     pieces: Pieces,
     connections: BTreeMap<u32, Connection>,
-    /// The chunk read last.
-    chunk: Option<(u64, Vec<u8>)>,
 }
 
 /// The fields of a record's head.
@@ -32,39 +30,7 @@ type Fields<'a> = BTreeMap<&'a [u8], &'a [u8]>;
 
 impl Ros1File {
     pub(crate) fn open(path: &Path) -> Result<Self, BagError> {
-        Ok(Self { pieces: Pieces::open(path)?, connections: BTreeMap::new(), chunk: None })
-    }
-
-    /// Head of the record at `at`, and place and length of its data.
-    fn record(&mut self, at: u64) -> Result<(Vec<u8>, u64, u64), BagError> {
-        let head_length = u64::from(u32_of(&self.pieces.read(at, 4)?));
-        let head = self.pieces.read(at + 4, head_length)?;
-        let data_length = u64::from(u32_of(&self.pieces.read(at + 4 + head_length, 4)?));
-        Ok((head, at + 8 + head_length, data_length))
-    }
-
-    /// The records in the chunk at `at`.
-    fn unpack(&mut self, at: u64) -> Result<(), BagError> {
-        if self.chunk.as_ref().is_some_and(|(place, _)| *place == at) {
-            return Ok(());
-        }
-        let (head, data, length) = self.record(at)?;
-        let packed = self.pieces.read(data, length)?;
-        let records = fields(&head).and_then(|fields| {
-            let limit = fields.get(&b"size"[..]).map_or(u64::MAX, |size| u64::from(u32_of(size)));
-            match fields.get(&b"compression"[..]).copied() {
-                Some(b"none") => Ok(packed),
-                Some(b"bz2") => limited(bzip2::read::BzDecoder::new(&packed[..]), limit),
-                Some(b"lz4") => limited(lz4_flex::frame::FrameDecoder::new(&packed[..]), limit),
-                other => {
-                    let found = String::from_utf8_lossy(other.unwrap_or_default()).into_owned();
-                    Err(format!("compression {found}, expected none, bz2 or lz4"))
-                }
-            }
-        });
-        let records = records.map_err(|reason| self.pieces.broken(at, reason))?;
-        self.chunk = Some((at, records));
-        Ok(())
+        Ok(Self { pieces: Pieces::open(path)?, connections: BTreeMap::new() })
     }
 
     fn learn(&mut self, head: &Fields<'_>, data: &[u8]) -> Result<(), String> {
@@ -77,12 +43,8 @@ impl Ros1File {
     }
 
     fn scan_chunk(&mut self, at: u64, visit: &mut dyn FnMut(Seen<'_>)) -> Result<(), BagError> {
-        self.unpack(at)?;
-        // Taken out, since connections are learned on the way.
-        let Some((_, records)) = self.chunk.take() else { return Ok(()) };
-        let walked = self.walk(at, &records, visit).map_err(|reason| self.pieces.broken(at, reason));
-        self.chunk = Some((at, records));
-        walked
+        let records = self.pieces.chunk(at, unpack)?;
+        self.walk(at, &records, visit).map_err(|reason| self.pieces.broken(at, reason))
     }
 
     fn walk(&mut self, at: u64, records: &[u8], visit: &mut dyn FnMut(Seen<'_>)) -> Result<(), String> {
@@ -120,7 +82,7 @@ impl Storage for Ros1File {
         let mut at = MAGIC.len() as u64;
         while at < self.pieces.length {
             let mut step = || -> Result<u64, BagError> {
-                let (head, data, length) = self.record(at)?;
+                let (head, data, length) = record(&mut self.pieces, at)?;
                 let broken = |reason| self.pieces.broken(at, reason);
                 let code =
                     fields(&head).map_err(broken)?.get(&b"op"[..]).and_then(|code| code.first()).copied();
@@ -137,20 +99,43 @@ impl Storage for Ros1File {
             };
             match step() {
                 Ok(next) => at = next,
-                Err(error @ BagError::Unreadable { .. }) => return Err(error),
-                Err(error) => return Ok(Some(format!("{error}; what follows is left out"))),
+                Err(error) => return error.ends_scan().map(Some),
             }
         }
         Ok(None)
     }
 
     fn read(&mut self, place: Place) -> Result<Vec<u8>, BagError> {
-        self.unpack(place.record)?;
-        let (offset, length) = (place.offset as usize, place.length as usize);
-        let records = self.chunk.as_ref().map_or(&[][..], |(_, records)| records);
-        let data = records.get(offset..offset + length);
-        Ok(data.ok_or_else(|| self.pieces.broken(place.record, "a message has moved".to_owned()))?.to_vec())
+        let records = self.pieces.chunk(place.record, unpack)?;
+        place.cut(&records).map_err(|reason| self.pieces.broken(place.record, reason))
     }
+}
+
+/// Head of the record at `at`, and place and length of its data.
+fn record(pieces: &mut Pieces, at: u64) -> Result<(Vec<u8>, u64, u64), BagError> {
+    let head_length = u64::from(u32_of(&pieces.read(at, 4)?));
+    let head = pieces.read(at + 4, head_length)?;
+    let data_length = u64::from(u32_of(&pieces.read(at + 4 + head_length, 4)?));
+    Ok((head, at + 8 + head_length, data_length))
+}
+
+/// The records in the chunk at `at`.
+fn unpack(pieces: &mut Pieces, at: u64) -> Result<Vec<u8>, BagError> {
+    let (head, data, length) = record(pieces, at)?;
+    let packed = pieces.read(data, length)?;
+    let records = fields(&head).and_then(|fields| {
+        let limit = fields.get(&b"size"[..]).map_or(u64::MAX, |size| u64::from(u32_of(size)));
+        match fields.get(&b"compression"[..]).copied() {
+            Some(b"none") => Ok(packed),
+            Some(b"bz2") => limited(bzip2::read::BzDecoder::new(&packed[..]), limit),
+            Some(b"lz4") => limited(lz4_flex::frame::FrameDecoder::new(&packed[..]), limit),
+            other => {
+                let found = String::from_utf8_lossy(other.unwrap_or_default()).into_owned();
+                Err(format!("compression {found}, expected none, bz2 or lz4"))
+            }
+        }
+    });
+    records.map_err(|reason| pieces.broken(at, reason))
 }
 
 /// The first four bytes, which must be there unless the field is short: then 0.

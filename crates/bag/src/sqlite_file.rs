@@ -68,10 +68,7 @@ impl Storage for SqliteFile {
             match step() {
                 Ok(true) => {}
                 Ok(false) => return Ok(None),
-                Err(reason) => {
-                    let error = broken(&self.path, last, &reason);
-                    return Ok(Some(format!("{error}; what follows is left out")));
-                }
+                Err(reason) => return broken(&self.path, last, &reason).ends_scan().map(Some),
             }
         }
     }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::error::BagError;
 use crate::wire::Wire;
@@ -22,6 +23,17 @@ pub(crate) struct Place {
     pub(crate) offset: u32,
     /// Length of its data.
     pub(crate) length: u32,
+}
+
+impl Place {
+    /// The data in its unpacked record.
+    ///
+    /// # Errors
+    /// A record that is shorter.
+    pub(crate) fn cut(self, record: &[u8]) -> Result<Vec<u8>, String> {
+        let from = self.offset as usize;
+        Ok(record.get(from..from + self.length as usize).ok_or("a message has moved")?.to_vec())
+    }
 }
 
 /// A message as a scan meets it.
@@ -56,6 +68,8 @@ pub(crate) struct Pieces {
     pub(crate) path: PathBuf,
     file: File,
     pub(crate) length: u64,
+    /// Place and records of the chunk read last.
+    chunk: Option<(u64, Arc<Vec<u8>>)>,
 }
 
 impl Pieces {
@@ -63,7 +77,7 @@ impl Pieces {
         let unreadable = |reason| BagError::Unreadable { path: path.to_path_buf(), reason };
         let file = File::open(path).map_err(unreadable)?;
         let length = file.metadata().map_err(unreadable)?.len();
-        Ok(Self { path: path.to_path_buf(), file, length })
+        Ok(Self { path: path.to_path_buf(), file, length, chunk: None })
     }
 
     /// `length` bytes from `at`.
@@ -85,6 +99,25 @@ impl Pieces {
                 Err(self.broken(at, "the file ends".to_owned()))
             }
             Err(reason) => Err(BagError::Unreadable { path: self.path.clone(), reason }),
+        }
+    }
+
+    /// The records in the chunk at `at`, which `unpack` reads unless it was the last one.
+    ///
+    /// # Errors
+    /// Those of `unpack`.
+    pub(crate) fn chunk(
+        &mut self,
+        at: u64,
+        unpack: impl FnOnce(&mut Self, u64) -> Result<Vec<u8>, BagError>,
+    ) -> Result<Arc<Vec<u8>>, BagError> {
+        match &self.chunk {
+            Some((place, records)) if *place == at => Ok(Arc::clone(records)),
+            _ => {
+                let records = Arc::new(unpack(self, at)?);
+                self.chunk = Some((at, Arc::clone(&records)));
+                Ok(records)
+            }
         }
     }
 

@@ -84,6 +84,11 @@ impl Topic {
         });
     }
 
+    /// Whether it has images.
+    pub(crate) fn has_images(&self) -> bool {
+        self.kind.is_image() && self.count > 0
+    }
+
     /// Messages per second; `None` for fewer than two.
     pub fn rate_hz(&self) -> Option<f64> {
         let (first, last) = self.span_ns?;

@@ -2,8 +2,8 @@
 
 use draw::{Canvas, Color, Strip, Swatch};
 use dsfeat::{heat_color, heat_map};
-use features::{Keypoint, SelectionRule};
-use geometry::{GrayImage, Vec2};
+use features::SelectionRule;
+use geometry::GrayImage;
 
 use crate::args::ActivationArgs;
 use crate::exit::{Exit, Failure, OrExit};
@@ -64,7 +64,7 @@ fn drawn(selected: &Selected, image: &GrayImage) -> Canvas {
     let another_day = Canvas { image: heat_map(image, |x, y| map.lasting_at(x, y)) };
     let mut features = Canvas::of_gray(image, 1);
     for (of, color) in [(&selected.dropped, DROPPED), (&selected.kept.keypoints, KEPT)] {
-        of.iter().for_each(|keypoint| features.disc(&pixel(keypoint), DOT_PX, color));
+        of.iter().for_each(|keypoint| features.disc(&keypoint.pixel(), DOT_PX, color));
     }
     let scale = |label: &str| vec![Swatch::scale(|share| heat_color(share as f32), label)];
     let kinds = vec![
@@ -81,8 +81,4 @@ fn drawn(selected: &Selected, image: &GrayImage) -> Canvas {
         [canvas, strip]
     };
     Canvas::stacked(&parts.into_iter().flat_map(with_legend).collect::<Vec<_>>())
-}
-
-fn pixel(keypoint: &Keypoint) -> Vec2 {
-    Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y))
 }

@@ -16,14 +16,6 @@ pub(crate) struct BagArgs {
     pub(crate) bag: PathBuf,
 }
 
-/// Arguments of `dsslam bag`.
-#[derive(Debug, Args)]
-pub(crate) struct BagCommand {
-    /// What to do with the bag.
-    #[command(subcommand)]
-    pub(crate) action: BagAction,
-}
-
 /// What `dsslam bag` can do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BagAction {

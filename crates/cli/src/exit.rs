@@ -4,19 +4,20 @@ use std::fmt;
 
 /// How the program ends. A panic (101) is a bug and not listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
 pub(crate) enum Exit {
     /// The command succeeded.
-    Done,
+    Done = 0,
     /// Fewer than half of the usable frames have a pose, or `--strict` refuses the scale.
-    Unusable,
+    Unusable = 1,
     /// Invalid arguments, configuration or dataset: no frame was processed.
-    Input,
+    Input = 2,
     /// Results could not be written.
-    Output,
+    Output = 3,
     /// A stage of the run failed, which is a bug; results so far have been written.
-    Failed,
+    Failed = 4,
     /// Interrupted by Ctrl-C or SIGTERM; results so far have been written.
-    Interrupted,
+    Interrupted = 130,
 }
 
 /// The table of exit codes as `--help` shows it.
@@ -32,14 +33,7 @@ Exit codes:
 impl Exit {
     /// The number that the shell sees.
     pub(crate) fn code(self) -> u8 {
-        match self {
-            Exit::Done => 0,
-            Exit::Unusable => 1,
-            Exit::Input => 2,
-            Exit::Output => 3,
-            Exit::Failed => 4,
-            Exit::Interrupted => 130,
-        }
+        self as u8
     }
 }
 

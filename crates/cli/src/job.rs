@@ -1,6 +1,6 @@
 //! A run from its first frame to its last file: what `run` and `demo` have in common.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use dsslam::submaps::{of_largest, submaps};
@@ -12,18 +12,21 @@ use crate::args::ShowArgs;
 use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
+use crate::figures;
 use crate::outputs::{self, Part, Written};
 use crate::report;
 use crate::results::ResultsFolder;
-use crate::show::Audience;
+use crate::show::{self, Audience};
+use crate::stop;
 use crate::summary;
 
-/// Everything that a run needs.
-pub(crate) struct Job {
-    /// The frames, the camera and the parameters.
-    pub(crate) session: Session,
-    /// What the run rests on.
-    pub(crate) figures: Figures,
+/// What the command line asks of a run, beside its frames and parameters.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wishes {
+    /// What to say before the run begins.
+    pub(crate) opening: Option<String>,
+    /// Where the results go, if not into a folder of their own.
+    pub(crate) out: Option<PathBuf>,
     /// Whether a doubt refuses a result.
     pub(crate) is_strict: bool,
     /// Name of the built-in configuration that the layout of the sequence has chosen.
@@ -34,27 +37,30 @@ pub(crate) struct Job {
     pub(crate) replay: Option<Journal>,
     /// Segment lengths of t_rel and r_rel, meters.
     pub(crate) lengths_m: Vec<f64>,
-    /// Where the files go.
-    pub(crate) folder: ResultsFolder,
-    /// Where else to.
-    pub(crate) extras: Extras,
+    /// Where the map at its end goes.
+    pub(crate) save_map: Option<PathBuf>,
+    /// Where its journal goes.
+    pub(crate) journal: Option<PathBuf>,
     /// Who watches.
     pub(crate) show: ShowArgs,
-    /// The viewer's program, if one watches.
-    pub(crate) viewer: Option<PathBuf>,
     /// Whether standard output is for scripts.
     pub(crate) json: bool,
-    /// Started with the command.
-    pub(crate) watch: StopWatch,
 }
 
-/// What a run writes beside its results folder.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Extras {
-    /// The map at its end.
-    pub(crate) save_map: Option<PathBuf>,
-    /// Its journal.
-    pub(crate) journal: Option<PathBuf>,
+/// Everything that a run needs.
+pub(crate) struct Job {
+    /// The frames, the camera and the parameters.
+    pub(crate) session: Session,
+    /// What else is asked.
+    pub(crate) wishes: Wishes,
+    /// What the run rests on.
+    pub(crate) figures: Figures,
+    /// Where the files go.
+    pub(crate) folder: ResultsFolder,
+    /// The viewer's program, if one watches.
+    pub(crate) viewer: Option<PathBuf>,
+    /// Started with the command.
+    pub(crate) watch: StopWatch,
 }
 
 impl Job {
@@ -70,9 +76,9 @@ impl Job {
             sequence: sequence.name.clone(),
             sensor: sequence.sensor,
             seed: setup.slam.seed,
-            schedule: schedule_name(setup.schedule, self.replay.is_some()),
-            preset: self.preset,
-            notices: [&self.notices[..], self.session.notices()].concat(),
+            schedule: schedule_name(setup.schedule, self.wishes.replay.is_some()),
+            preset: self.wishes.preset,
+            notices: [&self.wishes.notices[..], self.session.notices()].concat(),
             figures: self.figures.clone(),
             scale_against_truth: None,
         }
@@ -89,18 +95,31 @@ fn schedule_name(schedule: Schedule, is_replay: bool) -> &'static str {
     }
 }
 
-/// Runs, writes the results folder and prints the report.
+/// Checks what the run rests on, runs, writes the results folder and prints the report.
 ///
 /// # Errors
 /// A run that cannot begin is a fault of the input, a file that cannot be written one of the output.
-pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<Exit, Failure> {
+pub(crate) fn run(session: Session, wishes: Wishes, watch: StopWatch) -> Result<Exit, Failure> {
+    for file in [&wishes.save_map, &wishes.journal].into_iter().flatten() {
+        show::check_writable(file).or_output()?;
+    }
+    let viewer = show::viewer(&wishes.show)?;
+    let stop = stop::on_signal();
+    wishes.opening.iter().for_each(console::note);
+    let figures = figures::show(&session, wishes.is_strict)?;
+    let name = &session.input().sequence().name;
+    let folder = ResultsFolder::create(wishes.out.as_deref(), Path::new(""), name).or_output()?;
+    execute(&Job { session, wishes, figures, folder, viewer, watch }, &stop)
+}
+
+fn execute(job: &Job, stop: &AtomicBool) -> Result<Exit, Failure> {
     let (session, mut context) = (&job.session, job.context());
     for notice in &context.notices {
         console::note(console::warning(notice));
     }
     context.notices.extend(job.figures.doubts.iter().map(|doubt| doubt.text.clone()));
     let mut audience = Audience::gather(job)?;
-    let finished = match &job.replay {
+    let finished = match &job.wishes.replay {
         None => session.run_until(&mut audience, stop).or_input()?,
         Some(journal) => session.replay(journal, &mut audience, stop).or_input()?,
     };
@@ -121,7 +140,7 @@ pub(crate) fn execute(job: &Job, stop: &AtomicBool) -> Result<Exit, Failure> {
         outputs::write(job, context, &finished, &whole, &|| audience.make_room());
     failures.extend(audience.finish_mcap(outcome).err());
     audience.leave(outcome, &summary, job.folder.path());
-    if job.json {
+    if job.wishes.json {
         console::say(serde_json::to_string_pretty(&summary).or_output()?);
     } else {
         console::say(report::text(&summary, job.folder.path()).trim_end());
@@ -171,7 +190,7 @@ fn judge(job: &Job, frames: &[FrameRecord], is_off_scale: bool) -> bool {
         let why = if doubts.is_empty() { String::new() } else { format!(" ({})", doubts.join("; ")) };
         console::note(console::error(format!("{verdict}{why}")));
     }
-    let is_refused = job.is_strict && is_off_scale;
+    let is_refused = job.wishes.is_strict && is_off_scale;
     if is_refused {
         console::note(console::error("refused by --strict, since the scale is doubtful"));
     }

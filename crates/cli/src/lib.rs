@@ -43,7 +43,7 @@ use clap::Parser;
 use clap::error::{ContextKind, ContextValue};
 
 use args::{Cli, Command, Inspect, ShellCommand};
-use bag::{BagAction, BagCommand};
+use bag::BagAction;
 use exit::{Exit, Failure};
 
 /// Runs the program with these arguments, of which the first is its name, and returns its exit code. Help, the version and wrong
@@ -76,20 +76,20 @@ fn dispatch(command: Command) -> Result<Exit, Failure> {
         Command::View(args) => show::view(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Synth(args) => render::run(&args),
-        Command::Eval(args) => evaluate::run(args.what),
-        Command::Config(args) => config::run(&args.action),
+        Command::Eval(args) => evaluate::run(args),
+        Command::Config(args) => config::run(&args),
         Command::Export(args) => export::run(&args),
-        Command::Inspect(args) => match args.what {
+        Command::Inspect(what) => match what {
             Inspect::Features(args) => args.run(),
             Inspect::Match(args) => args.run(),
             Inspect::Stereo(args) => args.run(),
             Inspect::Activation(args) => activation::run(&args),
             Inspect::Bag(args) => bag::info(&args),
-            Inspect::Vocab(args) => vocab::run(&args.action),
+            Inspect::Vocab(args) => vocab::run(&args),
         },
-        Command::Bag(BagCommand { action: BagAction::Info(args) }) => bag::info(&args),
+        Command::Bag(BagAction::Info(args)) => bag::info(&args),
         Command::Doctor(args) => doctor::run(&args),
-        Command::Shell(args) => match args.what {
+        Command::Shell(what) => match what {
             ShellCommand::Completions(args) => shell::completions(&args),
             ShellCommand::Man(args) => shell::man(&args),
         },

@@ -37,7 +37,7 @@ pub(crate) struct Part<'a> {
 impl<'a> Part<'a> {
     pub(crate) fn new(frames: &'a [FrameRecord], job: &'a Job) -> Self {
         let compared = Compared::new(frames, job.sequence());
-        let evaluation = compared.as_ref().map(|compared| compared.evaluate(&job.lengths_m));
+        let evaluation = compared.as_ref().map(|compared| compared.evaluate(&job.wishes.lengths_m));
         Self { frames, compared, evaluation }
     }
 
@@ -115,7 +115,7 @@ pub(crate) fn write(
             .write(|| io::write_tum_at(&folder.file(&submap_file(root)), &tracked_poses(part.frames), clock));
         write_body(&mut files, job, &format!("trajectory_body_submap_{root}.tum.txt"), part.frames);
     }
-    let map = job.extras.save_map.as_ref().and_then(|file| files.note(finished.save_map(file)));
+    let map = job.wishes.save_map.as_ref().and_then(|file| files.note(finished.save_map(file)));
     files.text("frames.csv", &frames_csv(&outcome.frames, clock));
     files.text("config.yaml", &job.session.input().config().to_yaml());
     let trajectory = std::fs::read(&kitti).ok().map(|bytes| dsslam::sha256(&bytes));
@@ -136,7 +136,7 @@ pub(crate) fn write(
     for (root, part) in &parts {
         draw(&mut files, &format!("{SUBMAP_FILES}{root}.png"), job, part);
     }
-    if let Some(file) = &job.extras.journal {
+    if let Some(file) = &job.wishes.journal {
         files.note(io::write_atomic(file, &outcome.journal.to_json()));
     }
     files.note(folder.link_latest());

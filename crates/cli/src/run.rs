@@ -1,20 +1,13 @@
 //! `dsslam run`: SLAM on a dataset, a video or a camera. Everything that can be checked is checked before the first image is processed.
 
-use std::path::Path;
-
 use anyhow::{Context, Result, anyhow};
 use dsslam::{Chosen, Session, SessionOptions};
 use runtime::{Journal, Schedule};
 
 use crate::args::{RunArgs, ScheduleArg};
 use crate::clock::StopWatch;
-use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
-use crate::figures;
-use crate::job::{self, Extras, Job};
-use crate::results::ResultsFolder;
-use crate::show;
-use crate::stop;
+use crate::job::{self, Wishes};
 
 /// Runs SLAM on the sequence that the arguments name.
 ///
@@ -27,36 +20,23 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let mut session = Session::open_with(&args.sequence, &chosen.config, &options).or_input()?;
     session.setup_mut().faults.delays = args.delays;
     let replay = journal(args).or_input()?;
-    let extras = extras(args).or_output()?;
-    let viewer = show::viewer(&args.show)?;
-    let stop = stop::on_signal();
-    if let Some(name) = chosen.preset {
-        console::note(format!(
-            "configuration {name}, built in, as the layout suggests; --config takes another"
-        ));
-    }
-    let figures = figures::show(&session, args.strict)?;
-    let name = &session.input().sequence().name;
-    let folder = ResultsFolder::create(args.out.as_deref(), Path::new(""), name).or_output()?;
-    let (show, json, is_strict) = (args.show.clone(), args.json, args.strict);
-    let Chosen { preset, notices, .. } = chosen;
-    let lengths_m = args.lengths.clone();
-    let job = Job {
-        session,
-        figures,
-        is_strict,
-        preset,
-        notices,
+    let opening = chosen.preset.map(|name| {
+        format!("configuration {name}, built in, as the layout suggests; --config takes another")
+    });
+    let wishes = Wishes {
+        opening,
+        out: args.out.clone(),
+        is_strict: args.strict,
+        preset: chosen.preset,
+        notices: chosen.notices,
         replay,
-        lengths_m,
-        folder,
-        extras,
-        show,
-        viewer,
-        json,
-        watch,
+        lengths_m: args.lengths.clone(),
+        save_map: args.save_map.clone(),
+        journal: args.journal.clone(),
+        show: args.show.clone(),
+        json: args.json,
     };
-    job::execute(&job, &stop)
+    job::run(session, wishes, watch)
 }
 
 /// The configuration. Images that are opened by a calibration file of their own have no layout.
@@ -99,12 +79,4 @@ fn journal(args: &RunArgs) -> Result<Option<Journal>> {
     let bytes = io::read_file(file).with_context(|| format!("{}: cannot be read", file.display()))?;
     let journal = Journal::from_json(&bytes).with_context(|| file.display().to_string())?;
     Ok(Some(journal))
-}
-
-/// Where map and journal go, proved to be writable.
-fn extras(args: &RunArgs) -> Result<Extras> {
-    for file in [&args.save_map, &args.journal].into_iter().flatten() {
-        show::check_writable(file)?;
-    }
-    Ok(Extras { save_map: args.save_map.clone(), journal: args.journal.clone() })
 }

@@ -37,17 +37,20 @@ const VIRIDIS: [Color; 10] = [
 /// The color of an amount: `viridis`, dark violet at 0 over green to bright yellow at 1; what lies outside has the end's color, and
 /// NaN that of 0.
 pub fn gradient(amount: f64) -> Color {
-    let place = if amount.is_nan() { 0.0 } else { amount.clamp(0.0, 1.0) } * (VIRIDIS.len() - 1) as f64;
-    let below = (place as usize).min(VIRIDIS.len() - 2);
-    mix(VIRIDIS[below], VIRIDIS[below + 1], place - below as f64)
+    along(&VIRIDIS, amount)
 }
 
 /// A bright color for an amount, for thin lines over gray images: red at 0 over yellow and green to blue at 1.
 pub fn spread(amount: f64) -> Color {
     const STOPS: [Color; 5] = [[255, 60, 40], [255, 190, 0], [120, 230, 40], [0, 205, 215], [90, 120, 255]];
-    let place = if amount.is_nan() { 0.0 } else { amount.clamp(0.0, 1.0) } * (STOPS.len() - 1) as f64;
-    let below = (place as usize).min(STOPS.len() - 2);
-    mix(STOPS[below], STOPS[below + 1], place - below as f64)
+    along(&STOPS, amount)
+}
+
+/// The color at an amount between stops at equal distances.
+fn along(stops: &[Color], amount: f64) -> Color {
+    let place = if amount.is_nan() { 0.0 } else { amount.clamp(0.0, 1.0) } * (stops.len() - 1) as f64;
+    let below = (place as usize).min(stops.len() - 2);
+    mix(stops[below], stops[below + 1], place - below as f64)
 }
 
 /// `share` of `over` on `under`.

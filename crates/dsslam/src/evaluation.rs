@@ -96,9 +96,7 @@ pub fn scale_against_truth(evaluation: &Evaluation) -> Option<Scale> {
     if evaluation.alignment != Alignment::Se3 {
         return None;
     }
-    let matched = &evaluation.matched;
-    let pairs = matched.est.iter().zip(&matched.gt).filter_map(|(est, gt)| Some(((*est)?, *gt)));
-    let (est, gt): (Vec<SE3>, Vec<SE3>) = pairs.unzip();
+    let (est, gt) = evaluation.matched.tracked();
     let gt_from_est = estimate_alignment(&est, &gt, Alignment::Sim3).ok()?;
     let (moved, truth) = (positions(&apply_alignment(&gt_from_est, &est)), positions(&gt));
     let n = truth.len() as f64;

@@ -1,10 +1,10 @@
 //! The activation network of a run: which model, which library, how its maps choose features.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use dsfeat::{BUILT_IN, Network};
-use features::{ExtractorConfig, NetworkSize, SelectionConfig};
+use features::{ExtractorConfig, SelectionConfig};
 use runtime::Selection;
 use sha2::{Digest, Sha256};
 
@@ -21,36 +21,30 @@ pub struct NetworkOptions {
     pub library: Option<PathBuf>,
 }
 
-/// Opens networks for a run.
-#[derive(Debug)]
-struct Opener {
-    model: Vec<u8>,
-    /// Where the model comes from.
+/// A model, and where it comes from.
+struct Model {
+    bytes: Vec<u8>,
     origin: String,
-    library: Option<PathBuf>,
-    threads: usize,
-    size: NetworkSize,
 }
 
-impl Opener {
-    fn new(options: &NetworkOptions, settings: &ExtractorConfig) -> Result<Self, Error> {
-        let (model, origin) = match &options.model {
-            Some(file) => (read(file)?, file.display().to_string()),
-            None => (BUILT_IN.to_vec(), "the built-in network".to_owned()),
+impl Model {
+    fn of(options: &NetworkOptions) -> Result<Self, Error> {
+        let Some(file) = &options.model else {
+            return Ok(Model { bytes: BUILT_IN.to_vec(), origin: "the built-in network".to_owned() });
         };
-        let (threads, size) = (settings.network_threads, settings.network_size);
-        Ok(Opener { model, origin, library: options.library.clone(), threads, size })
+        let bytes = io::read_file(file).map_err(|reason| Error::unreadable(file, &reason))?;
+        Ok(Model { bytes, origin: file.display().to_string() })
     }
 
     /// A number for the model, which the maps depend on beside the image and the settings.
     fn identity(&self) -> u64 {
-        let digest = Sha256::digest(&self.model);
+        let digest = Sha256::digest(&self.bytes);
         digest.iter().take(8).fold(0, |number, byte| number << 8 | u64::from(*byte))
     }
 
-    fn network(&self) -> Result<Network, Error> {
-        Network::load(&self.model, self.library.as_deref(), self.threads)
-            .map(|network| network.with_size(self.size))
+    fn network(&self, options: &NetworkOptions, settings: &ExtractorConfig) -> Result<Network, Error> {
+        Network::load(&self.bytes, options.library.as_deref(), settings.network_threads)
+            .map(|network| network.with_size(settings.network_size))
             .map_err(|problem| Error::Network { origin: self.origin.clone(), problem })
     }
 }
@@ -65,8 +59,8 @@ pub(crate) fn selection(
     options: &NetworkOptions,
 ) -> Result<Option<Selection>, Error> {
     let Some(config) = settings.choice() else { return Ok(None) };
-    let opener = Opener::new(options, settings)?;
-    let (source, identity) = (Arc::new(opener.network()?), opener.identity());
+    let model = Model::of(options)?;
+    let (source, identity) = (Arc::new(model.network(options, settings)?), model.identity());
     Ok(Some(Selection { config, source, identity }))
 }
 
@@ -87,9 +81,5 @@ pub fn open(
 /// # Errors
 /// A model or a library that cannot be used.
 pub fn load(options: &NetworkOptions, settings: &ExtractorConfig) -> Result<Network, Error> {
-    Opener::new(options, settings)?.network()
-}
-
-fn read(file: &Path) -> Result<Vec<u8>, Error> {
-    io::read_file(file).map_err(|reason| Error::unreadable(file, &reason))
+    Model::of(options)?.network(options, settings)
 }

@@ -25,7 +25,6 @@ pub struct Session {
     setup: Setup,
     /// Stamps of the start map, nanoseconds.
     map_stamps: Vec<i64>,
-    notices: Vec<String>,
 }
 
 impl Session {
@@ -58,12 +57,11 @@ impl Session {
     }
 
     fn of(input: Input, options: &SessionOptions) -> Result<Self, Error> {
-        let notices = input.notices().to_vec();
         // What a camera delivers while tracking is behind would pile up.
         let schedule =
             if input.is_camera() { Schedule::Live { realtime: true } } else { Schedule::default() };
         let (setup, map_stamps) = options.slam.setup(input.intake(), schedule)?;
-        Ok(Self { input, setup, map_stamps, notices })
+        Ok(Self { input, setup, map_stamps })
     }
 
     /// What is read, and the configuration in force.
@@ -83,7 +81,7 @@ impl Session {
 
     /// What the user should know before the run.
     pub fn notices(&self) -> &[String] {
-        &self.notices
+        self.input.notices()
     }
 
     /// What the run will rest on, and what of it is implausible: looked at before the first frame. Reads a few frames, unless

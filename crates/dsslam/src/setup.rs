@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use features::{DepthConfig, Rig};
 use geometry::{GrayImage, Sensor, StereoRig};
-use io::{FrameSource, ImageError, ImageSize, Sequence};
+use io::{FrameSource, ImageSize, Sequence};
 use runtime::Setup;
 use slam::{CameraParams, Params};
 
@@ -32,16 +32,9 @@ pub(crate) fn image_size(sequence: &Sequence, config: &Config) -> Result<ImageSi
 pub(crate) fn check_size(size: ImageSize, name: &Path, config: &Config) -> Result<(), Error> {
     if let (Some(width), Some(height)) = (config.camera.width, config.camera.height) {
         let because = "camera.width and camera.height of the configuration";
-        expect_size(name, size, ImageSize { width, height }, because)?;
+        io::check_size(name, size, ImageSize { width, height }, because)?;
     }
     Ok(())
-}
-
-fn expect_size(image: &Path, found: ImageSize, expected: ImageSize, because: &str) -> Result<(), ImageError> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(ImageError::wrong_size(image, found, expected, because))
 }
 
 /// The image size of the dataset's calibration with the position of the first frame that has it; `None` where the dataset
@@ -55,7 +48,7 @@ fn calibrated(sequence: &Sequence) -> Result<Option<(usize, ImageSize)>, Error> 
     }
     let (position, size) = sequence.image_size().map_err(Error::NoImage)?;
     let because = format!("resolution in {}", raw.source);
-    expect_size(&sequence.frames[position].left, size, expected, &because)?;
+    io::check_size(&sequence.frames[position].left, size, expected, &because)?;
     Ok(Some((position, size)))
 }
 

@@ -159,26 +159,18 @@ impl<'a> DepthView<'a> {
         const NAME: &str = "depth";
         check_size(NAME, self.size, expected)?;
         let ImageSize { width, height } = self.size;
-        let mut values = Vec::with_capacity(width * height);
-        match self.data {
+        let data = match self.data {
             Depths::Units(data, units) => {
-                let factor = units.filter(|units| *units != units_per_meter).map(|u| units_per_meter / u);
-                for row in rows(data, height, self.stride, width, NAME)? {
-                    match factor {
-                        None => values.extend_from_slice(row),
-                        Some(factor) => {
-                            values.extend(row.iter().map(|&v| DepthImage::value(f64::from(v) * factor)))
-                        }
-                    }
-                }
+                let factor = units.map_or(1.0, |units| units_per_meter / units);
+                let rows = rows(data, height, self.stride, width, NAME)?;
+                rows.flatten().map(|&v| DepthImage::value(f64::from(v) * factor)).collect()
             }
             Depths::Meters(data) => {
-                for row in rows(data, height, self.stride, width, NAME)? {
-                    values.extend(row.iter().map(|&v| DepthImage::value(f64::from(v) * units_per_meter)));
-                }
+                let rows = rows(data, height, self.stride, width, NAME)?;
+                rows.flatten().map(|&v| DepthImage::value(f64::from(v) * units_per_meter)).collect()
             }
-        }
-        Ok(DepthImage { width, height, data: values })
+        };
+        Ok(DepthImage { width, height, data })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Reads a stream, live or from a file, also one that was cut off.
 
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 
 use crate::Record;
 use crate::error::ReadError;
@@ -29,13 +29,9 @@ impl<R: Read> StreamReader<R> {
     /// # Errors
     /// A source that is not a stream, or has another version.
     pub fn new(mut source: R) -> Result<Self, ReadError> {
-        let mut header = [0; HEADER];
-        let n = fill(&mut source, &mut header)?;
-        let (magic, version) = header.split_at(MAGIC.len());
-        if n < HEADER || magic != MAGIC {
-            return Err(ReadError::NotAStream);
-        }
-        let found = le_u32(version);
+        let header = up_to(&mut source, HEADER)?;
+        let version = header.strip_prefix(&MAGIC).filter(|version| version.len() == HEADER - MAGIC.len());
+        let found = le_u32(version.ok_or(ReadError::NotAStream)?);
         if found != VERSION {
             return Err(ReadError::OtherVersion { found });
         }
@@ -50,10 +46,9 @@ impl<R: Read> StreamReader<R> {
         if self.ending.is_some() {
             return Ok(None);
         }
-        let mut prefix = [0; PREFIX];
-        let n = fill(&mut self.source, &mut prefix)?;
-        if n < PREFIX {
-            self.ending = Some(if n == 0 { Ending::Whole } else { Ending::CutOff });
+        let prefix = up_to(&mut self.source, PREFIX)?;
+        if prefix.len() < PREFIX {
+            self.ending = Some(if prefix.is_empty() { Ending::Whole } else { Ending::CutOff });
             return Ok(None);
         }
         let (length, checksum) = (le_u32(&prefix[..4]) as usize, le_u32(&prefix[4..]));
@@ -61,9 +56,8 @@ impl<R: Read> StreamReader<R> {
             let what = format!("a record of {length} bytes, expected 1 to {MAX_PAYLOAD}");
             return Err(ReadError::Damaged { at: self.at, what });
         }
-        let mut payload = Vec::new();
-        let n = (&mut self.source).take(length as u64).read_to_end(&mut payload)?;
-        if n < length {
+        let payload = up_to(&mut self.source, length)?;
+        if payload.len() < length {
             self.ending = Some(Ending::CutOff);
             return Ok(None);
         }
@@ -78,18 +72,11 @@ impl<R: Read> StreamReader<R> {
     }
 }
 
-/// Reads until the buffer is full or the source ends; how many bytes there were.
-fn fill(source: &mut impl Read, buffer: &mut [u8]) -> Result<usize, ReadError> {
-    let mut n = 0;
-    while n < buffer.len() {
-        match source.read(&mut buffer[n..]) {
-            Ok(0) => break,
-            Ok(more) => n += more,
-            Err(error) if error.kind() == ErrorKind::Interrupted => {}
-            Err(error) => return Err(error.into()),
-        }
-    }
-    Ok(n)
+/// That many bytes, fewer where the source ends before.
+fn up_to(source: &mut impl Read, length: usize) -> Result<Vec<u8>, ReadError> {
+    let mut bytes = Vec::new();
+    source.take(length as u64).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 fn le_u32(bytes: &[u8]) -> u32 {

@@ -30,14 +30,10 @@ impl SceneImages {
     /// [`ExportError::ForeignKeyframe`] for a keyframe of another sequence.
     pub fn find(scene: &Scene, sequence: &Sequence, dir: &Path) -> Result<Self, ExportError> {
         let file = |view: &View| {
-            find_frame(sequence, view).map(|frame| frame.left.clone()).ok_or_else(|| {
-                ExportError::ForeignKeyframe {
-                    sequence: dir.to_path_buf(),
-                    keyframe: view.keyframe,
-                    frame: view.frame,
-                    timestamp_s: view.timestamp_s,
-                }
-            })
+            let &View { keyframe, frame, timestamp_s, .. } = view;
+            let foreign =
+                || ExportError::ForeignKeyframe { sequence: dir.to_path_buf(), keyframe, frame, timestamp_s };
+            find_frame(sequence, view).map(|frame| frame.left.clone()).ok_or_else(foreign)
         };
         let files = scene.views.iter().map(file).collect::<Result<_, _>>()?;
         let tables = scene.cameras.iter().map(|camera| table(camera, sequence)).collect();
@@ -108,13 +104,8 @@ impl SceneImages {
         let image = load_rgb(file)?;
         let index = scene.views[view].camera;
         let (camera, table) = (&scene.cameras[index], &self.tables[index]);
-        let found = image.size();
         let (width, height) = table.as_ref().map_or((camera.width, camera.height), RemapTable::source_size);
-        let expected = ImageSize { width, height };
-        if found != expected {
-            let because = "as the map's camera".to_owned();
-            return Err(ImageError::WrongSize { path: file.to_path_buf(), found, expected, because }.into());
-        }
+        io::check_size(file, image.size(), ImageSize { width, height }, "as the map's camera")?;
         Ok(match table {
             Some(table) => redrawn(&image, table),
             None => image,

@@ -13,12 +13,9 @@ use crate::scene::{Camera, Scene, View};
 pub fn nerfstudio_json(scene: &Scene, images: &str, points: &str) -> String {
     let mut root = Map::new();
     root.insert("camera_model".to_owned(), json!("OPENCV"));
-    let [only] = scene.cameras.as_slice() else { return with_frames(root, scene, images, points) };
-    root.extend(intrinsics(only));
-    with_frames(root, scene, images, points)
-}
-
-fn with_frames(mut root: Map<String, Value>, scene: &Scene, images: &str, points: &str) -> String {
+    if let [only] = scene.cameras.as_slice() {
+        root.extend(intrinsics(only));
+    }
     let frame = |view: &View| {
         let mut frame = Map::new();
         frame.insert("file_path".to_owned(), json!(format!("{images}/{}", view.name)));

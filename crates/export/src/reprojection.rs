@@ -13,16 +13,16 @@ pub struct ReprojectionError {
     pub mean_of_points_px: f64,
 }
 
-impl ReprojectionError {
-    /// The error of a scene, whose points carry the means over their observations.
-    pub(crate) fn of(scene: &Scene) -> Self {
-        let n_observations: usize = scene.points.iter().map(|point| point.track.len()).sum();
-        let sum: f64 = scene.points.iter().map(|point| point.error_px * point.track.len() as f64).sum();
-        let of_points: f64 = scene.points.iter().map(|point| point.error_px).sum();
-        Self {
+impl Scene {
+    /// The error of reprojection over all observations; the points carry the means over theirs.
+    pub fn reprojection(&self) -> ReprojectionError {
+        let n_observations: usize = self.points.iter().map(|point| point.track.len()).sum();
+        let sum: f64 = self.points.iter().map(|point| point.error_px * point.track.len() as f64).sum();
+        let of_points: f64 = self.points.iter().map(|point| point.error_px).sum();
+        ReprojectionError {
             n_observations,
             mean_px: sum / n_observations.max(1) as f64,
-            mean_of_points_px: of_points / scene.points.len().max(1) as f64,
+            mean_of_points_px: of_points / self.points.len().max(1) as f64,
         }
     }
 }

@@ -7,10 +7,9 @@ use geometry::{Distortion, Pinhole, SE3, Vec2, Vec3};
 use map::{Keyframe, KeyframeId, Map, MapPoint, PointId};
 
 use crate::error::ExportError;
-use crate::reprojection::ReprojectionError;
 
 /// Keyframes, cameras and points of one sub-map.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// The cameras, each used by a view.
     pub cameras: Vec<Camera>,
@@ -86,29 +85,16 @@ impl Scene {
         let Some(members) = submaps.get(submap) else {
             return Err(ExportError::NoSuchSubmap { wanted: submap, n_submaps });
         };
-        let mut scene = Self {
-            cameras: Vec::new(),
-            views: Vec::new(),
-            points: Vec::new(),
-            n_single: 0,
-            n_behind: 0,
-            n_submaps,
-        };
-        let names = Names::of(members);
-        for keyframe in members {
+        let mut scene = Self { n_submaps, ..Self::default() };
+        for (keyframe, name) in members.iter().zip(image_names(members)) {
             let camera = scene.camera_of(&keyframe.frame.rig);
-            scene.views.push(view(keyframe, camera, names.of_image(keyframe)));
+            scene.views.push(view(keyframe, camera, name));
         }
         let view_of: BTreeMap<KeyframeId, usize> = members.iter().map(|k| k.id).zip(0..).collect();
         for point in map.points() {
             scene.add_point(point, &view_of);
         }
         Ok(scene)
-    }
-
-    /// The error of reprojection over all observations.
-    pub fn reprojection(&self) -> ReprojectionError {
-        ReprojectionError::of(self)
     }
 
     /// Where the `view`-th view should see a position of the world, pixels; `None` behind the camera.
@@ -186,22 +172,13 @@ fn view(keyframe: &Keyframe, camera: usize, name: String) -> View {
 }
 
 /// How images are called: by the number of the frame, and by keyframe where several sequences gave frames of one number.
-struct Names {
-    by_keyframe: bool,
-}
-
-impl Names {
-    fn of(members: &[&Keyframe]) -> Self {
-        let mut frames: Vec<u32> = members.iter().map(|k| k.frame.index).collect();
-        frames.sort_unstable();
-        Self { by_keyframe: frames.windows(2).any(|pair| pair[0] == pair[1]) }
-    }
-
-    fn of_image(&self, keyframe: &Keyframe) -> String {
-        if self.by_keyframe {
-            format!("keyframe_{:06}.png", keyframe.id.0)
-        } else {
-            format!("{:06}.png", keyframe.frame.index)
-        }
-    }
+fn image_names(members: &[&Keyframe]) -> Vec<String> {
+    let mut frames: Vec<u32> = members.iter().map(|k| k.frame.index).collect();
+    frames.sort_unstable();
+    let by_keyframe = frames.windows(2).any(|pair| pair[0] == pair[1]);
+    let name = |keyframe: &&Keyframe| match by_keyframe {
+        true => format!("keyframe_{:06}.png", keyframe.id.0),
+        false => format!("{:06}.png", keyframe.frame.index),
+    };
+    members.iter().map(name).collect()
 }

@@ -12,7 +12,7 @@ use crate::patch::Patch;
 use crate::pyramid::Pyramid;
 use crate::selection::SelectionConfig;
 use crate::stereo::{StereoConfig, StereoMatcher, StereoPair};
-use geometry::{DepthImage, GrayImage, Vec2};
+use geometry::{DepthImage, GrayImage};
 use simd::Simd;
 use std::sync::Arc;
 
@@ -243,7 +243,7 @@ impl Extracted {
     fn undistorted(mut self, rig: &Rig) -> Self {
         if !rig.distortion.is_zero() {
             for keypoint in &mut self.features.keypoints {
-                let place = rig.undistort(&Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y)));
+                let place = rig.undistort(&keypoint.pixel());
                 (keypoint.x, keypoint.y) = (place.x as f32, place.y as f32);
             }
         }

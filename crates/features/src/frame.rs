@@ -85,8 +85,8 @@ pub struct Bounds {
 impl Bounds {
     /// Whether a pixel lies inside, the left and upper edge included.
     pub fn contains(&self, pixel: &Vec2) -> bool {
-        let (x, y) = (pixel.x as f32, pixel.y as f32);
-        x >= self.min_x && x < self.max_x && y >= self.min_y && y < self.max_y
+        let [min_x, max_x, min_y, max_y] = [self.min_x, self.max_x, self.min_y, self.max_y].map(f64::from);
+        (min_x..max_x).contains(&pixel.x) && (min_y..max_y).contains(&pixel.y)
     }
 }
 
@@ -172,7 +172,7 @@ impl Frame {
         let mut keypoints = self.keypoints.clone();
         let mut right_u = self.right_u.clone();
         for (keypoint, right_u) in keypoints.iter_mut().zip(&mut right_u) {
-            let place = Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y));
+            let place = keypoint.pixel();
             let raw = self.rig.distort(&place);
             let added = offset_px + slope * (raw.y - self.rig.stereo.camera.cy);
             let right = self.rig.distort(&Vec2::new(f64::from(*right_u), place.y)) - Vec2::new(added, 0.0);
@@ -255,8 +255,7 @@ impl Frame {
 
     /// Undistorted position of feature `i`, pixels of level 0.
     pub fn pixel(&self, i: usize) -> Vec2 {
-        let keypoint = &self.keypoints[i];
-        Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y))
+        self.keypoints[i].pixel()
     }
 
     /// Position of feature `i` in coordinates of the (left) camera, meters; `None` without depth.

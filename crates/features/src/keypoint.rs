@@ -1,5 +1,7 @@
 //! Keypoints with their descriptors.
 
+use geometry::Vec2;
+
 use crate::descriptor::Descriptor;
 
 /// A corner of the image pyramid.
@@ -15,6 +17,13 @@ pub struct Keypoint {
     pub angle_deg: f32,
     /// FAST score: the largest threshold for which it is a corner.
     pub response: f32,
+}
+
+impl Keypoint {
+    /// Its place, pixels of level 0.
+    pub fn pixel(&self) -> Vec2 {
+        Vec2::new(f64::from(self.x), f64::from(self.y))
+    }
 }
 
 /// Keypoints with their descriptors, same order: by octave, then row, then column.

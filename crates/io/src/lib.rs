@@ -23,8 +23,9 @@ pub use dataset::{
 pub use file::{FileError, check_file, create_output_folder, read_file, write_atomic, write_durable};
 pub use geometry::Sensor;
 pub use images::{
-    ImageError, ImageSize, LoadedFrame, Preview, Rgb, brightness, image_size, load_depth, load_frame,
-    load_gray, load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray, save_png_rgb,
+    ImageError, ImageSize, LoadedFrame, Preview, Rgb, brightness, check_size, image_size, load_depth,
+    load_frame, load_gray, load_rgb, preview, reduce_depth, reduce_gray, save_png_depth, save_png_gray,
+    save_png_rgb,
 };
 pub use trajectory::{
     Clock, Stamp, StampedPose, Stamps, Trajectory, TrajectoryFile, TrajectoryFormat, read_trajectory,

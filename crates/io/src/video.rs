@@ -1,7 +1,7 @@
 //! Videos as streams of raw images (YUV4MPEG2, "Y4M"): a line that describes the stream, then each frame with a line before it. A
 //! program that decodes other formats writes such a stream into a pipe; with a last line `XEND ...` it may say why it ends.
 
-use std::io::{BufRead, ErrorKind, Read};
+use std::io::{BufRead, Read};
 
 use geometry::GrayImage;
 
@@ -161,13 +161,8 @@ impl<R: BufRead> VideoReader<R> {
 /// A line with its end; without it when it is too long or the stream ends; `None` at the end of the stream.
 fn read_line(stream: &mut impl BufRead) -> std::io::Result<Option<Vec<u8>>> {
     let mut line = Vec::new();
-    loop {
-        match stream.take(LONGEST_LINE).read_until(b'\n', &mut line) {
-            Ok(_) => return Ok(Some(line).filter(|line| !line.is_empty())),
-            Err(error) if error.kind() == ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
+    stream.take(LONGEST_LINE).read_until(b'\n', &mut line)?;
+    Ok(Some(line).filter(|line| !line.is_empty()))
 }
 
 fn parse_header(line: &str) -> Option<VideoHeader> {

@@ -7,8 +7,8 @@ mod g2o;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use dsslam_optim::{
-    CycleEdge, CycleEdgeKind, LoopTestOptions, PoseGraphOptions, TranslationEdge, TranslationProblem,
-    fit_translations, refine_pose_graph, test_loop,
+    CycleEdge, CycleEdgeKind, PoseGraphOptions, TranslationEdge, TranslationProblem, fit_translations,
+    refine_pose_graph, test_loop,
 };
 use geometry::{SE3, Vec3, Vec6};
 
@@ -56,10 +56,7 @@ fn loops(criterion: &mut Criterion) {
     group.sample_size(10);
     for n in [100, 300, 1000] {
         let (nodes, edges) = ring(n);
-        let options = LoopTestOptions::default();
-        group.bench_function(format!("test_loop, {n} nodes"), |b| {
-            b.iter(|| test_loop(&nodes, &edges, &options))
-        });
+        group.bench_function(format!("test_loop, {n} nodes"), |b| b.iter(|| test_loop(&nodes, &edges)));
         let between = |e: &CycleEdge| nodes[e.b as usize].center() - nodes[e.a as usize].center();
         let edges = edges.iter().map(|e| {
             let translation = between(e) + Vec3::repeat(0.01 * f64::from(e.a).sin());

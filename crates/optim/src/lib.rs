@@ -16,6 +16,7 @@ mod common;
 
 mod bundle;
 pub mod convex;
+mod descent;
 pub mod loop_test;
 mod pose;
 pub mod pose_graph;
@@ -34,7 +35,7 @@ pub use bundle::solver::{Edge, Graph, Minimum, minimize};
 pub use bundle::{BundleObservation, BundleOptions, BundleProblem, BundleSolution, refine_bundle};
 pub use convex::{ConvexError, TranslationEdge, TranslationFit, TranslationProblem, fit_translations};
 pub use loop_test::{
-    CycleEdge, CycleEdgeKind, DriftModel, Inconsistency, LoopNumbers, LoopTestOptions, LoopVerdict, test_loop,
+    CHI2_CLOSURE, CycleEdge, CycleEdgeKind, DriftModel, Inconsistency, LoopNumbers, LoopVerdict, test_loop,
 };
 pub use pose::{PoseObservation, PoseOptions, PoseSolution, refine_pose};
 pub use pose_graph::{

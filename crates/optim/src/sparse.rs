@@ -53,15 +53,7 @@ impl<const D: usize> BlockMatrix<D> {
     /// `None` when the factor would not fit into memory.
     pub(crate) fn new(n: usize, pairs: &[(u32, u32)]) -> Option<Self> {
         let position = minimum_degree(n, pairs)?;
-        let mut above = vec![Vec::new(); n];
-        for &(a, b) in pairs {
-            let (a, b) = (position[a as usize], position[b as usize]);
-            above[a.max(b) as usize].push(a.min(b));
-        }
-        for rows in &mut above {
-            rows.sort_unstable();
-            rows.dedup();
-        }
+        let above = rows_above(n, pairs.iter().map(|&(a, b)| (position[a as usize], position[b as usize])));
         let (start, pattern) = scalar_pattern::<D>(&above);
         // The blocks are supernodes by themselves.
         let params = CholeskySymbolicParams {
@@ -180,20 +172,25 @@ impl<const D: usize> BlockMatrix<D> {
 
 /// Elimination position per node (Amestoy, Davis, Duff, "An approximate minimum degree ordering algorithm", 1996).
 fn minimum_degree(n: usize, pairs: &[(u32, u32)]) -> Option<Vec<u32>> {
+    let (_, pattern) = scalar_pattern::<1>(&rows_above(n, pairs.iter().copied()));
+    let (mut order, mut position) = (vec![0; n], vec![0; n]);
+    let mut memory = MemBuffer::try_new(amd::order_scratch::<usize>(n, pattern.compute_nnz())).ok()?;
+    let stack = MemStack::new(&mut memory);
+    amd::order(&mut order, &mut position, pattern.as_ref(), amd::Control::default(), stack).ok()?;
+    Some(position.into_iter().map(|p| p as u32).collect())
+}
+
+/// Per block column the rows above its diagonal, ascending.
+fn rows_above(n: usize, pairs: impl Iterator<Item = (u32, u32)>) -> Vec<Vec<u32>> {
     let mut above = vec![Vec::new(); n];
-    for &(a, b) in pairs {
+    for (a, b) in pairs {
         above[a.max(b) as usize].push(a.min(b));
     }
     for rows in &mut above {
         rows.sort_unstable();
         rows.dedup();
     }
-    let (_, pattern) = scalar_pattern::<1>(&above);
-    let (mut order, mut position) = (vec![0; n], vec![0; n]);
-    let mut memory = MemBuffer::try_new(amd::order_scratch::<usize>(n, pattern.compute_nnz())).ok()?;
-    let stack = MemStack::new(&mut memory);
-    amd::order(&mut order, &mut position, pattern.as_ref(), amd::Control::default(), stack).ok()?;
-    Some(position.into_iter().map(|p| p as u32).collect())
+    above
 }
 
 /// Start of each block column among the values, and the scalar columns of an upper triangle in D x D blocks.

@@ -10,8 +10,8 @@
 mod g2o;
 
 use dsslam_optim::{
-    CycleEdge, CycleEdgeKind, DriftModel, LoopTestOptions, LoopVerdict, PoseGraphEdge, PoseGraphOptions,
-    PoseGraphProblem, refine_pose_graph, test_loop,
+    CycleEdge, CycleEdgeKind, DriftModel, LoopVerdict, PoseGraphEdge, PoseGraphOptions, PoseGraphProblem,
+    refine_pose_graph, test_loop,
 };
 use geometry::{Mat6, SE3, SO3, Vec3};
 
@@ -100,8 +100,7 @@ impl Drive {
             edges.truncate(upto - 1);
             edges.extend(accepted.iter().map(|&ends| same_place(ends, CycleEdgeKind::EarlierLoop)));
             edges.push(same_place((now, then), CycleEdgeKind::Candidate));
-            if let LoopVerdict::Consistent(_) = test_loop(&nodes[..upto], &edges, &LoopTestOptions::default())
-            {
+            if let LoopVerdict::Consistent(_) = test_loop(&nodes[..upto], &edges) {
                 accepted.push((now, then));
                 nodes = self.solve(&nodes, &accepted, drift);
             }

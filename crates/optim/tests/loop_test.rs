@@ -4,8 +4,7 @@ mod common;
 
 use common::{random, small_motion};
 use dsslam_optim::{
-    ConvexError, CycleEdge, CycleEdgeKind, Inconsistency, LoopNumbers, LoopTestOptions, LoopVerdict,
-    test_loop,
+    CHI2_CLOSURE, ConvexError, CycleEdge, CycleEdgeKind, Inconsistency, LoopNumbers, LoopVerdict, test_loop,
 };
 use geometry::{SE3, SO3, Vec3, Vec6};
 use proptest::prelude::*;
@@ -72,8 +71,8 @@ impl Course {
     }
 
     fn verdict(&self) -> LoopVerdict {
-        let verdict = test_loop(&self.nodes, &self.edges, &LoopTestOptions::default());
-        assert_eq!(test_loop(&self.nodes, &self.edges, &LoopTestOptions::default()), verdict);
+        let verdict = test_loop(&self.nodes, &self.edges);
+        assert_eq!(test_loop(&self.nodes, &self.edges), verdict);
         verdict
     }
 }
@@ -308,11 +307,10 @@ proptest! {
             (e.sigma_m, e.sigma_rad) = (10f64.powi(m), 10f64.powi(rad));
         }
         course.edges[3].b_from_a.translation.x += 10f64.powi(shift);
-        let options = LoopTestOptions::default();
-        if let LoopVerdict::Consistent(n) = test_loop(&course.nodes, &course.edges, &options) {
+        if let LoopVerdict::Consistent(n) = test_loop(&course.nodes, &course.edges) {
             prop_assert!(n.rotation_closure_deg <= 4.1 * n.rotation_sigma_deg);
             prop_assert!(n.translation_closure_m <= 4.1 * n.translation_sigma_m);
-            prop_assert!(n.candidate_residual <= options.max_residual);
+            prop_assert!(n.candidate_residual <= CHI2_CLOSURE.sqrt());
         }
     }
 }

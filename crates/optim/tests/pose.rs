@@ -15,8 +15,7 @@ fn refine(initial: SE3, observations: &[PoseObservation]) -> PoseSolution {
 
 /// Plain least squares over all observations.
 fn least_squares(initial: SE3, observations: &[PoseObservation]) -> SE3 {
-    let options =
-        PoseOptions { limit_factor: 1e12, plain_tolerance: 1e-14, max_iterations: 50, ..Default::default() };
+    let options = PoseOptions { limit_factor: 1e12, plain_tolerance: 1e-14, max_iterations: 50 };
     refine_pose(&rig(), initial, observations, &options).cam_from_world
 }
 

@@ -28,10 +28,23 @@ pub(crate) fn config(name: Option<&Path>, settings: Option<&Bound<'_, PyDict>>) 
     Config::load(name, &overrides(settings)?).map_err(raised)
 }
 
+/// What a word stands for; `argument` is what the message calls it.
+pub(crate) fn choice<T: Copy, const N: usize>(
+    argument: &str,
+    word: &str,
+    choices: [(&str, T); N],
+) -> PyResult<T> {
+    if let Some((_, chosen)) = choices.iter().find(|(name, _)| *name == word) {
+        return Ok(*chosen);
+    }
+    let names = choices.map(|(name, _)| format!("{name:?}"));
+    let expected = [&names[..N - 1].join(", "), &names[N - 1]].map(String::as_str).join(" or ");
+    Err(PyValueError::new_err(format!("{argument}: found {word:?}, expected {expected}")))
+}
+
 /// The sensor of a word.
 pub(crate) fn sensor_of(word: &str) -> PyResult<Sensor> {
-    let expected = "\"stereo\", \"rgbd\" or \"mono\"";
-    word.parse().map_err(|_| PyValueError::new_err(format!("sensor: found {word:?}, expected {expected}")))
+    choice("sensor", word, Sensor::ALL.map(|sensor| (sensor.word(), sensor)))
 }
 
 /// The sensor of a word, if there is one.
@@ -40,19 +53,14 @@ pub(crate) fn sensor(word: Option<&str>) -> PyResult<Option<Sensor>> {
 }
 
 /// The schedule of a word.
-pub(crate) fn schedule(word: Option<&str>) -> PyResult<Option<Schedule>> {
-    Ok(Some(match word {
-        None => return Ok(None),
-        Some("lockstep") => Schedule::Lockstep,
-        Some("sequential") => Schedule::Sequential,
-        Some("live") => Schedule::Live { realtime: false },
-        Some("realtime") => Schedule::Live { realtime: true },
-        Some(word) => {
-            return Err(PyValueError::new_err(format!(
-                "schedule: found {word:?}, expected \"lockstep\", \"sequential\", \"live\" or \"realtime\""
-            )));
-        }
-    }))
+fn schedule(word: &str) -> PyResult<Schedule> {
+    let schedules = [
+        ("lockstep", Schedule::Lockstep),
+        ("sequential", Schedule::Sequential),
+        ("live", Schedule::Live { realtime: false }),
+        ("realtime", Schedule::Live { realtime: true }),
+    ];
+    choice("schedule", word, schedules)
 }
 
 /// What a `Slam` and a run take beside configuration and camera.
@@ -61,7 +69,7 @@ pub(crate) fn options(
     localize: bool,
     vocabulary: Option<PathBuf>,
     network: Option<PathBuf>,
-    schedule_word: Option<&str>,
+    schedule: Option<&str>,
 ) -> PyResult<dsslam::SlamOptions> {
     if localize && map.is_none() {
         return Err(PyValueError::new_err("localize: found no map, expected one to localize in"));
@@ -71,6 +79,6 @@ pub(crate) fn options(
     options.vocabulary = vocabulary;
     options.start_map = map;
     options.localize_only = localize;
-    options.schedule = schedule(schedule_word)?;
+    options.schedule = schedule.map(self::schedule).transpose()?;
     Ok(options)
 }

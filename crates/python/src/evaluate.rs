@@ -8,6 +8,7 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::arguments;
 use crate::error::raised;
 use crate::finished::Finished;
 use crate::poses;
@@ -50,16 +51,8 @@ pub(crate) fn evaluate<'py>(
     alignment: &str,
     lengths_m: Option<Vec<f64>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let alignment = match alignment {
-        "none" => Alignment::None,
-        "se3" => Alignment::Se3,
-        "sim3" => Alignment::Sim3,
-        _ => {
-            return Err(PyValueError::new_err(format!(
-                "alignment: found {alignment:?}, expected \"se3\", \"sim3\" or \"none\""
-            )));
-        }
-    };
+    let alignments = [("se3", Alignment::Se3), ("sim3", Alignment::Sim3), ("none", Alignment::None)];
+    let alignment = arguments::choice("alignment", alignment, alignments)?;
     let (est, est_has_times) = trajectory(est, "est")?;
     let (gt, gt_has_times) = trajectory(gt, "gt")?;
     let association = if est_has_times && gt_has_times {

@@ -1,6 +1,6 @@
 //! The results of a run.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use dsslam::runtime::LoopResult;
@@ -29,16 +29,8 @@ pub(crate) struct Finished {
 }
 
 impl Finished {
-    pub(crate) fn new(done: dsslam::Finished, sensor: Sensor) -> Self {
-        Self { done: Arc::new(done), sensor, evaluation: None }
-    }
-
-    pub(crate) fn with_evaluation(self, evaluation: Option<String>) -> Self {
-        Self { evaluation, ..self }
-    }
-
-    pub(crate) fn save_file(&self, file: &Path) -> Result<String, dsslam::Error> {
-        self.done.save_map(file)
+    pub(crate) fn new(done: dsslam::Finished, sensor: Sensor, evaluation: Option<String>) -> Self {
+        Self { done: Arc::new(done), sensor, evaluation }
     }
 
     /// Poses of the tracked frames, of the left camera or of the body.
@@ -142,8 +134,8 @@ impl Finished {
         self.evaluation.as_ref().map(|text| py.import("json")?.call_method1("loads", (text,))).transpose()
     }
 
-    fn save(&self, py: Python<'_>, file: PathBuf) -> PyResult<String> {
-        py.detach(|| self.save_file(&file)).map_err(raised)
+    pub(crate) fn save(&self, py: Python<'_>, file: PathBuf) -> PyResult<String> {
+        py.detach(|| self.done.save_map(&file)).map_err(raised)
     }
 
     fn save_mcap(&self, py: Python<'_>, file: PathBuf) -> PyResult<()> {

@@ -6,44 +6,24 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
 
-/// Order of the channels of color images.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Color {
-    Rgb,
-    Bgr,
-}
+use crate::arguments;
 
-impl Color {
-    /// The order of a word.
-    pub(crate) fn of(word: &str) -> PyResult<Self> {
-        match word {
-            "rgb" => Ok(Color::Rgb),
-            "bgr" => Ok(Color::Bgr),
-            _ => Err(PyValueError::new_err(format!("color: found {word:?}, expected \"rgb\" or \"bgr\""))),
-        }
-    }
-
-    fn format(self, is_reversed: bool) -> PixelFormat {
-        match (self, is_reversed) {
-            (Color::Rgb, false) | (Color::Bgr, true) => PixelFormat::Rgb8,
-            _ => PixelFormat::Bgr8,
-        }
-    }
+/// The format of color images whose channels have the order of a word.
+pub(crate) fn color(word: &str) -> PyResult<PixelFormat> {
+    arguments::choice("color", word, [("rgb", PixelFormat::Rgb8), ("bgr", PixelFormat::Bgr8)])
 }
 
 /// An array's pixels, borrowed from it. The array is kept alive; who writes into it during a call gets a mixed image.
 pub(crate) struct Pixels<'py> {
     array: Bound<'py, PyArrayDyn<u8>>,
-    /// From the array's first byte to the first that is read.
-    offset: isize,
     width: usize,
     height: usize,
-    stride: usize,
-    format: PixelFormat,
+    layout: Layout,
 }
 
 /// How the bytes of an array lie, if images can be read from them as they lie.
 struct Layout {
+    /// From the array's first byte to the first that is read.
     offset: isize,
     stride: usize,
     format: PixelFormat,
@@ -51,7 +31,7 @@ struct Layout {
 
 impl<'py> Pixels<'py> {
     /// An image of shape (height, width), (height, width, 1) or (height, width, 3), uint8; `name` is that of the argument.
-    pub(crate) fn of(array: &Bound<'py, PyAny>, name: &str, color: Color) -> PyResult<Self> {
+    pub(crate) fn of(array: &Bound<'py, PyAny>, name: &str, color: PixelFormat) -> PyResult<Self> {
         let array = bytes_of(array, name)?;
         let (height, width, channels) = match *array.shape() {
             [height, width] => (height, width, 1),
@@ -66,23 +46,19 @@ impl<'py> Pixels<'py> {
             None => {
                 let copy = contiguous(array.as_any())?.cast_into()?;
                 let stride = width * channels;
-                let format = if channels == 1 { PixelFormat::Gray8 } else { color.format(false) };
+                let format = if channels == 1 { PixelFormat::Gray8 } else { color };
                 (copy, Layout { offset: 0, stride, format })
             }
         };
-        let Layout { offset, stride, format } = layout;
-        Ok(Self { array, offset, width, height, stride, format })
+        Ok(Self { array, width, height, layout })
     }
 
     /// A mask of shape (height, width), uint8 or bool.
     pub(crate) fn of_mask(array: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
-        let pixels = match dtype(array) {
-            Some(kind) if kind == "bool" => {
-                Self::of(&array.call_method1("view", ("uint8",))?, name, Color::Rgb)?
-            }
-            _ => Self::of(array, name, Color::Rgb)?,
-        };
-        if pixels.format == PixelFormat::Gray8 {
+        let is_bool = dtype(array).is_some_and(|kind| kind == "bool");
+        let bytes = if is_bool { &array.call_method1("view", ("uint8",))? } else { array };
+        let pixels = Self::of(bytes, name, PixelFormat::Rgb8)?;
+        if pixels.layout.format == PixelFormat::Gray8 {
             return Ok(pixels);
         }
         Err(wrong_shape(name, pixels.array.shape(), "(height, width)"))
@@ -90,31 +66,37 @@ impl<'py> Pixels<'py> {
 
     /// The image as the library takes it.
     pub(crate) fn view(&self) -> ImageView<'_> {
-        let bytes = match self.format {
-            PixelFormat::Gray8 => 1,
-            _ => 3,
-        };
-        let length = self.height.saturating_sub(1) * self.stride + self.width * bytes;
+        let Layout { offset, stride, format } = self.layout;
+        let bytes = if format == PixelFormat::Gray8 { 1 } else { 3 };
+        let length = self.height.saturating_sub(1) * stride + self.width * bytes;
         let data: &[u8] = if self.height == 0 || self.width == 0 {
             &[]
         } else {
             // SAFETY: `layout` has checked that all strides are positive but, perhaps, that of the channels, which `offset` makes up
             // for; the last byte read is that of the last pixel, which the array owns and keeps alive.
-            unsafe { std::slice::from_raw_parts(self.array.data().cast_const().offset(self.offset), length) }
+            unsafe { std::slice::from_raw_parts(self.array.data().cast_const().offset(offset), length) }
         };
-        ImageView::new(data, self.width, self.height, self.format).with_stride(self.stride)
+        ImageView::new(data, self.width, self.height, format).with_stride(stride)
     }
 }
 
 /// How the bytes lie; `None` where they have to be copied.
-fn layout(array: &Bound<'_, PyArrayDyn<u8>>, width: usize, channels: usize, color: Color) -> Option<Layout> {
+fn layout(
+    array: &Bound<'_, PyArrayDyn<u8>>,
+    width: usize,
+    channels: usize,
+    color: PixelFormat,
+) -> Option<Layout> {
     let strides = array.strides();
     let stride = usize::try_from(strides[0]).ok().filter(|&stride| stride >= width * channels)?;
     match (channels, strides[1], strides.get(2)) {
         (1, 1, _) => Some(Layout { offset: 0, stride, format: PixelFormat::Gray8 }),
-        (3, 3, Some(1)) => Some(Layout { offset: 0, stride, format: color.format(false) }),
+        (3, 3, Some(1)) => Some(Layout { offset: 0, stride, format: color }),
         // Channels turned round, as `image[:, :, ::-1]`.
-        (3, 3, Some(-1)) => Some(Layout { offset: -2, stride, format: color.format(true) }),
+        (3, 3, Some(-1)) => {
+            let reversed = if color == PixelFormat::Rgb8 { PixelFormat::Bgr8 } else { PixelFormat::Rgb8 };
+            Some(Layout { offset: -2, stride, format: reversed })
+        }
         _ => None,
     }
 }

@@ -1,5 +1,6 @@
 //! A map as arrays.
 
+use std::fmt::Display;
 use std::path::PathBuf;
 
 use map::KeyframeId;
@@ -15,19 +16,13 @@ use crate::poses;
 #[pyclass(frozen, module = "dsslam")]
 pub(crate) struct Map(pub(crate) map::Map);
 
-impl Map {
-    /// Row of each living keyframe by id, and of each living point.
-    fn rows(&self) -> (Vec<u32>, Vec<u32>) {
-        let mut keyframes = vec![u32::MAX; self.0.next_keyframe_id().0 as usize];
-        for (row, keyframe) in (0..).zip(self.0.keyframes()) {
-            keyframes[keyframe.id.0 as usize] = row;
-        }
-        let mut points = vec![u32::MAX; self.0.next_point_id().0 as usize];
-        for (row, point) in (0..).zip(self.0.points()) {
-            points[point.id.0 as usize] = row;
-        }
-        (keyframes, points)
+/// Row of each of these ids, which are below `next`.
+fn rows(ids: impl Iterator<Item = u32>, next: u32) -> Vec<u32> {
+    let mut rows = vec![u32::MAX; next as usize];
+    for (row, id) in (0..).zip(ids) {
+        rows[id as usize] = row;
     }
+    rows
 }
 
 #[pymethods]
@@ -35,10 +30,9 @@ impl Map {
     #[staticmethod]
     fn load(py: Python<'_>, file: PathBuf) -> PyResult<Self> {
         py.detach(|| {
-            let bytes =
-                io::read_file(&file).map_err(|error| raised(format!("{}: {error}", file.display())))?;
-            let (map, _) =
-                map::file::decode(&bytes).map_err(|error| raised(format!("{}: {error}", file.display())))?;
+            let unusable = |reason: &dyn Display| raised(format!("{}: {reason}", file.display()));
+            let bytes = io::read_file(&file).map_err(|error| unusable(&error))?;
+            let (map, _) = map::file::decode(&bytes).map_err(|error| unusable(&error))?;
             Ok(Self(map))
         })
     }
@@ -106,7 +100,9 @@ impl Map {
 
     #[getter]
     fn observations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (keyframes, points) = self.rows();
+        let map = &self.0;
+        let keyframes = rows(map.keyframes().map(|keyframe| keyframe.id.0), map.next_keyframe_id().0);
+        let points = rows(map.points().map(|point| point.id.0), map.next_point_id().0);
         let mut places = Vec::new();
         let (mut pixels, mut octaves) = (Vec::new(), Vec::new());
         for point in self.0.points() {

@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::error::raised;
-use crate::image::{Color, Pixels};
+use crate::image::{self, Pixels};
 
 /// ONNX Runtime of the Python package, where nothing else names one.
 static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
@@ -36,7 +36,7 @@ pub(crate) fn activation<'py>(
     network: Option<PathBuf>,
     color: &str,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let image = Pixels::of(image, "image", Color::of(color)?)?;
+    let image = Pixels::of(image, "image", image::color(color)?)?;
     let view = image.view();
     let map = py.detach(|| {
         let selecting = ["features.selection=activation".to_owned()];

@@ -8,16 +8,8 @@ use pyo3::prelude::*;
 
 /// The 16 numbers of a pose, row by row.
 fn values(pose: &SE3) -> [f64; 16] {
-    let (r, t) = (pose.rotation.matrix(), pose.translation);
-    let mut all = [0.0; 16];
-    for row in 0..3 {
-        for column in 0..3 {
-            all[4 * row + column] = r[(row, column)];
-        }
-        all[4 * row + 3] = t[row];
-    }
-    all[15] = 1.0;
-    all
+    let matrix = pose.matrix();
+    std::array::from_fn(|i| matrix[(i / 4, i % 4)])
 }
 
 /// A pose as a 4x4 matrix.

@@ -154,6 +154,6 @@ pub(crate) fn run(
         let evaluation = Compared::new(&done.outcome.frames, sequence)
             .and_then(|compared| compared.evaluate(&eval::KITTI_LENGTHS_M).ok())
             .and_then(|evaluation| serde_json::to_string(&evaluation).ok());
-        Ok(Finished::new(done, sequence.sensor).with_evaluation(evaluation))
+        Ok(Finished::new(done, sequence.sensor, evaluation))
     })
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use dsslam::{Config, Images, SlamOptions};
+use dsslam::{Config, Images, PixelFormat, SlamOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::error::raised;
 use crate::finished::Finished;
 use crate::frame::Result;
-use crate::image::{Color, Depth, Pixels};
+use crate::image::{self, Depth, Pixels};
 
 /// SLAM on images that are pushed one frame after another.
 #[pyclass(frozen, module = "dsslam")]
@@ -22,7 +22,7 @@ pub(crate) struct Slam {
     camera: dsslam::Camera,
     config: Config,
     options: SlamOptions,
-    color: Color,
+    color: PixelFormat,
 }
 
 /// A run takes frames until it is finished.
@@ -71,7 +71,7 @@ impl Slam {
         let camera = camera.get().0.clone();
         let config = arguments::config(config.as_deref(), settings)?;
         let options = arguments::options(map, localize, vocabulary, network, schedule)?;
-        let color = Color::of(color)?;
+        let color = image::color(color)?;
         let slam = py.detach(|| dsslam::Slam::with(&config, camera.clone(), &options)).map_err(raised)?;
         Ok(Self { state: Mutex::new(State::Running(Box::new(slam))), camera, config, options, color })
     }
@@ -110,24 +110,20 @@ impl Slam {
     fn finish(&self, py: Python<'_>) -> PyResult<Finished> {
         py.detach(|| {
             let mut state = self.state();
-            match std::mem::replace(&mut *state, State::Empty) {
+            let finished = match std::mem::replace(&mut *state, State::Empty) {
                 State::Running(slam) => {
-                    let finished = Finished::new(slam.finish().map_err(raised)?, self.camera.sensor());
-                    *state = State::Finished(finished.clone());
-                    Ok(finished)
+                    Finished::new(slam.finish().map_err(raised)?, self.camera.sensor(), None)
                 }
-                State::Finished(finished) => {
-                    *state = State::Finished(finished.clone());
-                    Ok(finished)
-                }
-                State::Empty => Err(raised("this Slam could not be finished; reset() starts again")),
-            }
+                State::Finished(finished) => finished,
+                State::Empty => return Err(raised("this Slam could not be finished; reset() starts again")),
+            };
+            *state = State::Finished(finished.clone());
+            Ok(finished)
         })
     }
 
     fn save(&self, py: Python<'_>, file: PathBuf) -> PyResult<String> {
-        let finished = self.finish(py)?;
-        py.detach(|| finished.save_file(&file)).map_err(raised)
+        self.finish(py)?.save(py, file)
     }
 
     fn load(&self, py: Python<'_>, file: PathBuf) -> PyResult<()> {

@@ -5,7 +5,7 @@
 //! poses of the keyframes that it was made from, so that errors which points have in common do not average out. With the points
 //! eliminated (Schur complement), an observation of a point counts as one with the variance `sigma^2 I + J_p Sigma_p J_p^T`.
 
-use geometry::{Mat3, Mat6, SE3, StereoRig, Vec3};
+use geometry::{Mat3, Mat6, SE3, SO3, StereoRig, Vec3};
 
 /// Keyframes beside the two views.
 pub(crate) const MAX_KEYFRAMES: usize = 4;
@@ -79,17 +79,7 @@ impl Window {
         let mut levers: Vec<Lever> = Vec::with_capacity(seen.len());
         for (view, point_cam, local) in seen {
             let Some(block) = view.checked_sub(1).map(|view| 6 * view) else { continue };
-            let cross = Mat3::new(
-                0.0,
-                -point_cam.z,
-                point_cam.y,
-                point_cam.z,
-                0.0,
-                -point_cam.x,
-                -point_cam.y,
-                point_cam.x,
-                0.0,
-            );
+            let cross = SO3::hat(&point_cam);
             let upper = local * (self.views[view].rotation.matrix() * inverse_root);
             levers.push(Lever { block, upper, lower: cross * upper });
             let turned = cross * local;

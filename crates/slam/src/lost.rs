@@ -63,24 +63,14 @@ impl Lost {
 
 impl fmt::Display for Lost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.cause())?;
         match self {
-            Lost::TooFewMatches { found, needed } => {
-                write!(
-                    f,
-                    "too few matches with the last frame and the reference keyframe: {found} of {needed}"
-                )
+            Lost::TooFewMatches { found, needed }
+            | Lost::TooFewPredictedInliers { found, needed }
+            | Lost::TooFewLocalInliers { found, needed } => write!(f, "{found} of {needed}"),
+            Lost::TooFar { off_m, most_m } => {
+                write!(f, "{off_m:.2} m from where it would be had it gone on, {most_m:.2} m at most")
             }
-            Lost::TooFewPredictedInliers { found, needed } => {
-                write!(f, "the predicted pose has too few inliers: {found} of {needed}")
-            }
-            Lost::TooFewLocalInliers { found, needed } => {
-                write!(f, "the local map confirms too few points: {found} of {needed}")
-            }
-            Lost::TooFar { off_m, most_m } => write!(
-                f,
-                "the pose found is farther away than the camera can have moved: {off_m:.2} m from where it \
-                 would be had it gone on, {most_m:.2} m at most"
-            ),
         }
     }
 }

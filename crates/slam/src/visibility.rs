@@ -56,12 +56,7 @@ pub(crate) fn project_inside(frame: &Frame, cam_from_world: &SE3, position: &Vec
         return None;
     }
     let uvr = frame.rig.stereo.project(&point_cam);
-    let bounds = frame.bounds();
-    let inside = uvr.x >= f64::from(bounds.min_x)
-        && uvr.x < f64::from(bounds.max_x)
-        && uvr.y >= f64::from(bounds.min_y)
-        && uvr.y < f64::from(bounds.max_y);
-    inside.then_some(uvr)
+    frame.bounds().contains(&uvr.xy()).then_some(uvr)
 }
 
 /// The full test: in front, inside the image, within the distance range, seen from a similar direction.

@@ -4,13 +4,13 @@
 mod common;
 
 use common::{Pair, World, slalom};
-use dsslam_slam::{Lost, NotReady, Params, TrackState};
+use dsslam_slam::{CameraParams, Lost, NotReady, Params, TrackState};
 use features::Frame;
 use geometry::SE3;
 use std::sync::Arc;
 
 fn params() -> Params {
-    Params::stereo(21.0, 10.0)
+    Params::of(CameraParams::stereo(21.0, 10.0))
 }
 
 /// Distance between the estimated and the true camera centers, in the frame of the first camera.

@@ -6,7 +6,7 @@ mod common;
 use std::sync::Arc;
 
 use common::{Pair, World, slalom};
-use dsslam_slam::Params;
+use dsslam_slam::{CameraParams, Params};
 use features::Rig;
 use geometry::{SE3, SO3, Vec3};
 
@@ -14,7 +14,7 @@ use geometry::{SE3, SO3, Vec3};
 fn pair_with_error(error_px: f64) -> Pair {
     let mut world = World::with_density(60.0, 0.2, 25.0);
     world.disparity_error_px = error_px;
-    let mut params = Params::stereo(21.0, 10.0);
+    let mut params = Params::of(CameraParams::stereo(21.0, 10.0));
     // More keyframes than so quiet a drive needs, and none culled.
     params.tracking.keyframe_ratio = Some(0.95);
     params.mapping.keyframe_cull_ratio = 1.0;
@@ -54,7 +54,7 @@ fn correct_disparities_are_left_alone() {
 fn a_few_frames_tell_nothing_and_nothing_is_looked_for_when_it_is_switched_off() {
     let mut world = World::corridor(80.0, 0.2);
     world.disparity_error_px = 0.3;
-    let mut params = Params::stereo(21.0, 10.0);
+    let mut params = Params::of(CameraParams::stereo(21.0, 10.0));
     let run = |params: &Params, n: u32| {
         let mut pair = Pair::new(params);
         (0..n).for_each(|i| drop(pair.step(&world.frame(i, &slalom(i)))));
@@ -76,7 +76,7 @@ fn winding(i: u32) -> SE3 {
 fn one_camera_finds_its_focal_length_within_the_stated_uncertainty() {
     let mut world = World::with_density(55.0, 0.2, 15.0);
     world.stereo = false;
-    let mut params = Params::mono(10.0);
+    let mut params = Params::of(CameraParams::mono(10.0));
     params.mapping.keyframe_cull_ratio = 1.0;
     let drive = |wrong: f64| {
         let mut pair = Pair::new(&params);

@@ -7,14 +7,16 @@ use std::sync::Arc;
 
 use bow::Vocabulary;
 use common::{Pair, World};
-use dsslam_slam::{LoopCloser, LoopOutcome, NoProbe, Params, TrackState, Tracked, adjust_globally};
+use dsslam_slam::{
+    CameraParams, LoopCloser, LoopOutcome, NoProbe, Params, TrackState, Tracked, adjust_globally,
+};
 use geometry::{SE3, SO3, Vec3};
 
 const RADIUS_M: f64 = 22.0;
 const STEP_M: f64 = 0.8;
 
 fn params() -> Params {
-    let mut params = Params::stereo(21.0, 10.0);
+    let mut params = Params::of(CameraParams::stereo(21.0, 10.0));
     params.loops.essential_weight = 60;
     params
 }
@@ -188,7 +190,7 @@ fn a_finished_map_localizes_and_stays_as_it_is() {
 fn one_camera_starts_from_two_views_and_closes_the_ring_with_its_scale() {
     let mut scene = World::ring(RADIUS_M, 0.5, 40.0);
     scene.stereo = false;
-    let mut mono = Params::mono(10.0);
+    let mut mono = Params::of(CameraParams::mono(10.0));
     mono.loops.essential_weight = 60;
     let mut trio = Trio::new(&mono, empty());
     let n = round() + 25;

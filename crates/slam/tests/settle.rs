@@ -4,12 +4,12 @@
 mod common;
 
 use common::{Pair, World, slalom};
-use dsslam_slam::{NoProbe, Params};
+use dsslam_slam::{CameraParams, NoProbe, Params};
 
 const FRAMES: u32 = 60;
 
 fn params(final_bundle: bool) -> Params {
-    let mut params = Params::stereo(21.0, 10.0);
+    let mut params = Params::of(CameraParams::stereo(21.0, 10.0));
     params.mapping.refine_calibration = false;
     params.mapping.final_bundle = final_bundle;
     // Windows so small that local adjustments hold most of the corridor.

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Pair, World};
-use dsslam_slam::{Params, QualityReason, TrackState};
+use dsslam_slam::{CameraParams, Params, QualityReason, TrackState};
 use geometry::{SE3, SO3, Vec3};
 
 const RADIUS_M: f64 = 60.0;
@@ -32,7 +32,7 @@ fn pose(i: u32, deg: f64) -> SE3 {
 fn turn_around(black: &[u32]) {
     let mut world = World::ring(RADIUS_M, 0.3, 30.0);
     world.stereo = false;
-    let mut pair = Pair::new(&Params::mono(10.0));
+    let mut pair = Pair::new(&Params::of(CameraParams::mono(10.0)));
     let (mut held, mut poses) = (0, Vec::new());
     for i in 0..STOP + TURN + 40 {
         if black.contains(&i) {

@@ -1,8 +1,7 @@
 //! The camera, and what it sees of the world: transformed, culled, clipped polygons ready for scan conversion.
 
 use crate::daylight::{Haze, Light};
-use crate::mesh::{Instance, Layer, Mesh, Polygon, SurfaceKind, V3};
-use crate::texture::TextureId;
+use crate::mesh::{Instance, Layer, Mesh, Surface, SurfaceKind, V3};
 use geometry::Pinhole;
 use nalgebra::Matrix3;
 
@@ -37,7 +36,7 @@ pub(crate) struct View {
 
 /// A side of a polygon in sample coordinates, upper end first.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Edge {
+struct Edge {
     pub(crate) top: f64,
     pub(crate) bottom: f64,
     /// x at row 0 would be `x - top * slope`; here x at `top`.
@@ -48,17 +47,10 @@ pub(crate) struct Edge {
 /// A polygon as the rasteriser needs it. Affine functions of the sample position are `[constant, per x, per y]`.
 #[derive(Clone, Debug)]
 pub(crate) struct Prepared {
-    pub(crate) edges: [Edge; MAX_CORNERS],
-    pub(crate) n_edges: usize,
-    pub(crate) top: f64,
-    pub(crate) bottom: f64,
-    /// Inverse depth (1/m), and texture coordinates over depth (texels/m).
-    pub(crate) inv_z: [f64; 3],
-    pub(crate) u_over_z: [f64; 3],
-    pub(crate) v_over_z: [f64; 3],
-    pub(crate) texture: TextureId,
-    pub(crate) detail: Option<(TextureId, [f64; 2])>,
-    pub(crate) kind: SurfaceKind,
+    pub(crate) outline: Outline,
+    pub(crate) planes: Planes,
+    pub(crate) surface: Surface,
+    /// Brightness under the light, the surface's own included.
     pub(crate) gain: f32,
     pub(crate) haze: Haze,
     /// Factor on inverse depth in the depth test.
@@ -136,7 +128,9 @@ fn prepare_instance(view: &View, mesh: &Mesh, instance: &Instance, light: &Light
             (gradient, map.1 - gradient.dot(&translation))
         };
         let planes = Planes::new(view, &normal, offset, texture(&polygon.u), texture(&polygon.v));
-        out.push(finish(outline, planes, polygon, gain, instance.label, light.haze()));
+        let bias = if polygon.surface.kind == SurfaceKind::Decal { 1.0 + DECAL_BIAS } else { 1.0 };
+        let (surface, gain, haze, label) = (polygon.surface, gain as f32, light.haze(), instance.label);
+        out.push(Prepared { outline, planes, surface, gain, haze, bias, label });
     }
 }
 
@@ -151,31 +145,12 @@ fn brightness(light: &Light, normal: &V3, sun_cam: &V3, kind: SurfaceKind) -> f6
     }
 }
 
-fn finish(outline: Outline, planes: Planes, polygon: &Polygon, gain: f64, label: u8, haze: Haze) -> Prepared {
-    let surface = &polygon.surface;
-    Prepared {
-        edges: outline.edges,
-        n_edges: outline.n_edges,
-        top: outline.top,
-        bottom: outline.bottom,
-        inv_z: planes.inv_z,
-        u_over_z: planes.u_over_z,
-        v_over_z: planes.v_over_z,
-        texture: surface.texture,
-        detail: surface.detail,
-        kind: surface.kind,
-        gain: gain as f32,
-        haze,
-        bias: if surface.kind == SurfaceKind::Decal { 1.0 + DECAL_BIAS } else { 1.0 },
-        label,
-    }
-}
-
-/// The affine functions of a plane in sample coordinates.
-struct Planes {
-    inv_z: [f64; 3],
-    u_over_z: [f64; 3],
-    v_over_z: [f64; 3],
+/// The affine functions of a plane in sample coordinates: inverse depth (1/m), and texture coordinates over depth (texels/m).
+#[derive(Clone, Debug)]
+pub(crate) struct Planes {
+    pub(crate) inv_z: [f64; 3],
+    pub(crate) u_over_z: [f64; 3],
+    pub(crate) v_over_z: [f64; 3],
 }
 
 impl Planes {
@@ -197,14 +172,22 @@ impl Planes {
         };
         Self { inv_z, u_over_z: over_z(u), v_over_z: over_z(v) }
     }
+
+    /// Depth in meters at a pixel, on the polygon's plane.
+    pub(crate) fn depth_at(&self, x: usize, y: usize) -> f32 {
+        let [c, dx, dy] = self.inv_z;
+        let inv_z = c + dx * sample_of_pixel(x as f64) + dy * sample_of_pixel(y as f64);
+        (1.0 / inv_z.max(1e-4)) as f32
+    }
 }
 
 /// A polygon's outline in sample coordinates.
-struct Outline {
+#[derive(Clone, Debug)]
+pub(crate) struct Outline {
     edges: [Edge; MAX_CORNERS],
     n_edges: usize,
-    top: f64,
-    bottom: f64,
+    pub(crate) top: f64,
+    pub(crate) bottom: f64,
 }
 
 impl Outline {
@@ -255,9 +238,7 @@ impl Outline {
         }
         Some(Self { edges, n_edges: n, top, bottom })
     }
-}
 
-impl Prepared {
     /// First and one-past-last sample column of a sample row; empty when the row misses the polygon.
     pub(crate) fn columns(&self, row: i32) -> (i32, i32) {
         let y = f64::from(row);
@@ -274,12 +255,5 @@ impl Prepared {
         }
         let limit = (WIDTH * SAMPLES) as f64;
         (left.ceil().clamp(0.0, limit) as i32, right.ceil().clamp(0.0, limit) as i32)
-    }
-
-    /// Depth in meters at a pixel, on the polygon's plane.
-    pub(crate) fn depth_at(&self, x: usize, y: usize) -> f32 {
-        let [c, dx, dy] = self.inv_z;
-        let inv_z = c + dx * sample_of_pixel(x as f64) + dy * sample_of_pixel(y as f64);
-        (1.0 / inv_z.max(1e-4)) as f32
     }
 }

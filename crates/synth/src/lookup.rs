@@ -40,8 +40,8 @@ impl<'a> Lookup<'a> {
         let y = f64::from(row);
         let at = |f: &[f64; 3], x: f64| f[0] + f[1] * x + f[2] * y;
         let point = |x: f64| {
-            let z = 1.0 / at(&polygon.inv_z, x).max(1e-7);
-            ([at(&polygon.u_over_z, x) * z, at(&polygon.v_over_z, x) * z], z)
+            let z = 1.0 / at(&polygon.planes.inv_z, x).max(1e-7);
+            ([at(&polygon.planes.u_over_z, x) * z, at(&polygon.planes.v_over_z, x) * z], z)
         };
         // Exact at the first pair's center, in the middle and at the end.
         let n = f64::from(pairs.1 - pairs.0);
@@ -53,23 +53,26 @@ impl<'a> Lookup<'a> {
         let bend = [0, 1].map(|i| 4.0 * (first[i] - 2.0 * middle[i] + last[i]) / (n * n));
         let step = [0, 1].map(|i| (last[i] - first[i]) / n - 0.5 * bend[i] * (n - 1.0));
         let curve = Curve { start: first, step, bend };
-        let over_z = [&polygon.u_over_z, &polygon.v_over_z];
+        let over_z = [&polygon.planes.u_over_z, &polygon.planes.v_over_z];
         let per = |axis: usize, samples: f64| {
-            [0, 1].map(|i| (samples * (over_z[i][axis] - middle[i] * polygon.inv_z[axis]) * z) as f32)
+            [0, 1].map(|i| (samples * (over_z[i][axis] - middle[i] * polygon.planes.inv_z[axis]) * z) as f32)
         };
         let footprint = Footprint::new(per(1, 2.0), per(2, 1.0));
         let dither = DITHER[(row & 1) as usize];
-        let detail = polygon.detail.and_then(|(id, ratio)| {
+        let detail = polygon.surface.detail.and_then(|(id, ratio)| {
             // One tap is enough for grain.
             let lod = footprint.smooth_lod + log2(ratio[0].max(ratio[1]) as f32);
             let walk = || curve.walk(&Footprint { taps: 1, ..footprint }, ratio);
             (lod < MAX_DETAIL_LEVEL).then(|| (level(library.texture(id), lod + dither), walk()))
         });
         let haze = polygon.haze;
-        let fog =
-            if polygon.kind == SurfaceKind::Emissive { 0.0 } else { z as f32 / (z as f32 + haze.half_m) };
+        let fog = if polygon.surface.kind == SurfaceKind::Emissive {
+            0.0
+        } else {
+            z as f32 / (z as f32 + haze.half_m)
+        };
         Self {
-            base: level(library.texture(polygon.texture), footprint.lod + dither),
+            base: level(library.texture(polygon.surface.texture), footprint.lod + dither),
             base_at: curve.walk(&footprint, [1.0; 2]),
             detail,
             taps: footprint.taps,

@@ -45,7 +45,7 @@ struct Stretch<'a> {
 impl Stretch<'_> {
     /// Inverse depth at sample `x` as the depth test sees it: constant and factor of `x`.
     fn inv_z(&self) -> (f64, f64) {
-        let [c, dx, dy] = self.polygon.inv_z.map(|k| k * self.polygon.bias);
+        let [c, dx, dy] = self.polygon.planes.inv_z.map(|k| k * self.polygon.bias);
         (c + dy * f64::from(self.row), dx)
     }
 }
@@ -95,13 +95,13 @@ impl Band {
     /// Draws a polygon; `number` is what [`Band::winner`] will say of it.
     pub(crate) fn draw(&mut self, polygon: &Prepared, number: u32, library: &Library) {
         let last = self.first + self.rows as i32;
-        if polygon.bottom <= f64::from(self.first) || polygon.top >= f64::from(last) {
+        if polygon.outline.bottom <= f64::from(self.first) || polygon.outline.top >= f64::from(last) {
             return;
         }
-        let from = (polygon.top.ceil().max(f64::from(self.first))) as i32;
-        let to = (polygon.bottom.ceil().min(f64::from(last))) as i32;
+        let from = (polygon.outline.top.ceil().max(f64::from(self.first))) as i32;
+        let to = (polygon.outline.bottom.ceil().min(f64::from(last))) as i32;
         for row in from..to {
-            let (left, right) = polygon.columns(row);
+            let (left, right) = polygon.outline.columns(row);
             let mut x = left;
             while x < right {
                 // Stretches end where blocks end: textures are cut at the same columns whatever the outline.
@@ -131,7 +131,7 @@ impl Band {
         let lookup = Lookup::new(polygon, stretch.row, pairs, library);
         let draw =
             Drawing { samples, inv_z: &inv_z, skip: (stretch.from - first) as usize, number: stretch.number };
-        match (polygon.kind, seen) {
+        match (polygon.surface.kind, seen) {
             (SurfaceKind::CutOut, _) => self.fill(&draw, &lookup, &lookup.opacity(pairs.1 - pairs.0)),
             (_, Seen::Whole) if draw.skip == 0 => self.cover(draw, &lookup),
             _ => self.fill(&draw, &lookup, &[[true; 2]; LANES]),

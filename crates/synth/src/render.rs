@@ -93,7 +93,7 @@ impl Workspace {
                 continue;
             };
             *label = polygon.label;
-            *depth = if polygon.label == LABEL_SKY { 0.0 } else { polygon.depth_at(x, first + row) };
+            *depth = if polygon.label == LABEL_SKY { 0.0 } else { polygon.planes.depth_at(x, first + row) };
         }
     }
 }

@@ -84,11 +84,11 @@ fn walk(mesh: &mut Mesh, common: &Common, [a, b]: [&Station; 2], side: f64, s: f
     let at =
         |station: &Station, lateral: f64, up: f64| station.beside(side * lateral).position - V3::y() * up;
     let (inner, stone, outer) = (ROAD_HALF_M, ROAD_HALF_M + 0.16, ROAD_HALF_M + WALK_M);
+    // On the left the corners run the other way round.
+    let turned = |[a, b, c, d]: [V3; 4]| if side < 0.0 { [b, a, d, c] } else { [a, b, c, d] };
     let strip = |mesh: &mut Mesh, from: f64, to: f64, surface: Surface| {
-        let mut corners = [at(b, from, CURB_M), at(b, to, CURB_M), at(a, to, CURB_M), at(a, from, CURB_M)];
-        if side < 0.0 {
-            corners = [corners[1], corners[0], corners[3], corners[2]];
-        }
+        let corners =
+            turned([at(b, from, CURB_M), at(b, to, CURB_M), at(a, to, CURB_M), at(a, from, CURB_M)]);
         let back = (corners[3] - corners[0]).normalize();
         let across = V3::y().cross(&back);
         let offset = [surface.density[0] * from, -surface.density[1] * s];
@@ -96,10 +96,7 @@ fn walk(mesh: &mut Mesh, common: &Common, [a, b]: [&Station; 2], side: f64, s: f
     };
     strip(mesh, inner, stone, common.curb);
     strip(mesh, stone, outer, common.paving);
-    let mut face = [at(b, inner, CURB_M), at(a, inner, CURB_M), at(a, inner, 0.0), at(b, inner, 0.0)];
-    if side < 0.0 {
-        face = [face[1], face[0], face[3], face[2]];
-    }
+    let face = turned([at(b, inner, CURB_M), at(a, inner, CURB_M), at(a, inner, 0.0), at(b, inner, 0.0)]);
     let along = (face[1] - face[0]).normalize();
     mesh.add(&face, along, V3::y(), Surface { offset: [common.curb.density[0] * s, 0.0], ..common.curb });
 }

@@ -73,11 +73,7 @@ impl Traffic {
             traffic.add_leader(mean_s, seed, &mut rng);
         }
         traffic.add_company(world, seed);
-        match world.settings.halts {
-            Halts::None => {}
-            Halts::Trucks => traffic.add_trucks(world),
-            Halts::Trams => traffic.add_trams(world),
-        }
+        traffic.add_halts(world);
         traffic.add_crossing(world, &mut rng);
         traffic.add_oncoming(world, &mut rng);
         traffic
@@ -118,28 +114,27 @@ impl Traffic {
         }
     }
 
-    /// Trams across each halt, in both directions; the nearer track carries two that are coupled.
-    fn add_trams(&mut self, world: &TrafficPlan<'_>) {
+    /// What crosses before us at each halt: a truck, its middle before us at half time, or trams in both directions, of which the
+    /// nearer track carries two that are coupled.
+    fn add_halts(&mut self, world: &TrafficPlan<'_>) {
+        let heavy = &self.kinds[N_CARS + N_VANS + N_BUSES..];
         for (i, halt) in world.halts.iter().enumerate() {
-            let street = &world.side_streets[halt.street];
-            for (k, (sign, behind_s)) in TRAMS.into_iter().enumerate() {
-                let kind = self.kinds[N_CARS + N_VANS + N_BUSES + N_TRUCKS + (i + k) % N_TRAMS];
-                let path =
-                    Path::Crossing { street: *street, sign, t: halt.time + behind_s, speed: TRAM_SPEED };
-                self.movers.push(Mover { kind, gain: 1.0, path });
+            let street = world.side_streets[halt.street];
+            let mut cross = |kind: usize, sign, behind_s, speed| {
+                let path = Path::Crossing { street, sign, t: halt.time + behind_s, speed };
+                self.movers.push(Mover { kind: heavy[kind], gain: 1.0, path });
+            };
+            match world.settings.halts {
+                Halts::None => {}
+                Halts::Trucks => {
+                    cross(i % N_TRUCKS, if i % 2 == 0 { 1.0 } else { -1.0 }, 0.5 * halt.seconds, 3.4);
+                }
+                Halts::Trams => {
+                    for (k, (sign, behind_s)) in TRAMS.into_iter().enumerate() {
+                        cross(N_TRUCKS + (i + k) % N_TRAMS, sign, behind_s, TRAM_SPEED);
+                    }
+                }
             }
-        }
-    }
-
-    /// A truck across each halt: its middle is before us at half time.
-    fn add_trucks(&mut self, world: &TrafficPlan<'_>) {
-        for (i, halt) in world.halts.iter().enumerate() {
-            let street = &world.side_streets[halt.street];
-            let kind = self.kinds[N_CARS + N_VANS + N_BUSES + i % N_TRUCKS];
-            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
-            let path =
-                Path::Crossing { street: *street, sign, t: halt.time + 0.5 * halt.seconds, speed: 3.4 };
-            self.movers.push(Mover { kind, gain: 1.0, path });
         }
     }
 
@@ -218,18 +213,14 @@ impl Traffic {
             label,
             gain,
         };
-        let mut out: Vec<Instance> = Vec::new();
-        for slot in &self.slots {
-            if let Some((kind, gain)) = self.parked_in(slot, driven) {
-                out.push(vehicle(&kind, slot.placement, LABEL_PARKED, gain));
-            }
-        }
-        for mover in &self.movers {
-            if let Some(placement) = mover.placement(course, drive, t) {
-                out.push(vehicle(&mover.kind, placement, LABEL_MOVING, mover.gain));
-            }
-        }
-        out
+        let parked = self.slots.iter().filter_map(|slot| {
+            let (kind, gain) = self.parked_in(slot, driven)?;
+            Some(vehicle(&kind, slot.placement, LABEL_PARKED, gain))
+        });
+        let moving = self.movers.iter().filter_map(|mover| {
+            Some(vehicle(&mover.kind, mover.placement(course, drive, t)?, LABEL_MOVING, mover.gain))
+        });
+        parked.chain(moving).collect()
     }
 
     /// Who stands in a slot now. Cars are exchanged while we are on the other side of the course.

@@ -111,18 +111,15 @@ fn frame(
     let truth = interpolated(truth, row.timestamp_s)?;
     let world_from_cam = at(estimate)?;
     let scaled = row.covariance.and_then(|c| geometry::PoseCovariance::new(c.in_camera() * factor * factor));
-    let Some(body) = body else {
-        return Some(ConsistentFrame {
-            frame: row.frame,
-            estimate: world_from_cam,
-            truth,
-            covariance: scaled,
-        });
+    let (estimate, covariance) = match body {
+        None => (world_from_cam, scaled),
+        Some(body) => {
+            let world_from_body = at(body)?;
+            let body_from_cam = world_from_body.inverse() * world_from_cam;
+            (world_from_body, scaled.map(|covariance| covariance.of_body(&body_from_cam)))
+        }
     };
-    let world_from_body = at(body)?;
-    let body_from_cam = world_from_body.inverse() * world_from_cam;
-    let covariance = scaled.map(|covariance| covariance.of_body(&body_from_cam));
-    Some(ConsistentFrame { frame: row.frame, estimate: world_from_body, truth, covariance })
+    Some(ConsistentFrame { frame: row.frame, estimate, truth, covariance })
 }
 
 fn read_tum(path: &Path) -> Result<Trajectory> {

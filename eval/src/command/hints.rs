@@ -48,9 +48,7 @@ pub(super) fn of_files(est: &Named<'_>, gt: &Named<'_>) -> Vec<String> {
 
 /// Hints that the matched poses give: order of quaternions, a scale that was not aligned.
 pub(super) fn of_poses(est: &Named<'_>, gt: &Named<'_>, evaluation: &Evaluation) -> Vec<String> {
-    let matched = &evaluation.matched;
-    let pairs = matched.est.iter().zip(&matched.gt).filter_map(|(est, gt)| Some(((*est)?, *gt)));
-    let (est_poses, gt_poses): (Vec<SE3>, Vec<SE3>) = pairs.unzip();
+    let (est_poses, gt_poses) = evaluation.matched.tracked();
     let mut found = Vec::new();
     found.extend(order(est, gt, &est_poses, &gt_poses));
     found.extend(scale(evaluation, &est_poses, &gt_poses));

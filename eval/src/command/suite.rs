@@ -148,8 +148,7 @@ fn ending(record: &RunRecord) -> String {
 
 pub(super) fn table(args: &ResultsArgs) -> Result<()> {
     let (results, baselines, folder) = args.open("tables")?;
-    let metrics = [Metric::TRelPercent, Metric::RRelDegPer100m, Metric::AteRmseM, Metric::Auc];
-    let mut tables: Vec<(&str, Table)> = metrics
+    let mut tables: Vec<(&str, Table)> = Metric::ALL
         .into_iter()
         .filter_map(|metric| Some((metric.file_name(), metric_table(&results, &baselines, metric)?)))
         .collect();

@@ -13,10 +13,9 @@ use crate::suite::{Results, RunResult, SequencePlan};
 pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -> Option<Table> {
     let sequences: Vec<&str> = results.plan.sequences.iter().map(|s| s.name.as_str()).collect();
     let baselines = baselines_for(results, baselines, metric);
-    let mut columns: Vec<Column> = Vec::new();
-    for configuration in &results.plan.configurations {
-        columns.push(our_column(results, &configuration.name, &sequences, metric));
-    }
+    let ours = results.plan.configurations.iter();
+    let mut columns: Vec<Column> =
+        ours.map(|configuration| our_column(results, &configuration.name, &sequences, metric)).collect();
     let have_none = columns.iter().all(|c| c.values.iter().all(Option::is_none));
     // Runs without place recognition need no empty table of it; for the others an empty column says that all failed.
     if have_none && (baselines.is_empty() || metric == Metric::Auc) {
@@ -24,16 +23,10 @@ pub fn metric_table(results: &Results, baselines: &[Baseline], metric: Metric) -
     }
     let (comparable, reasons) = comparable_sequences(results, &baselines, metric);
     let baselines = if comparable.iter().all(Option::is_none) { Vec::new() } else { baselines };
-    for baseline in &baselines {
-        columns.push(baseline_column(baseline, &comparable, metric));
-    }
-    let mut rows: Vec<Row> = Vec::new();
-    for (i, sequence) in sequences.iter().enumerate() {
-        rows.push(Row {
-            name: (*sequence).to_owned(),
-            cells: columns.iter().map(|c| c.cells[i].clone()).collect(),
-        });
-    }
+    columns.extend(baselines.iter().map(|baseline| baseline_column(baseline, &comparable, metric)));
+    let cells = |i: usize| columns.iter().map(|column| column.cells[i].clone()).collect();
+    let row = |(i, name): (usize, &&str)| Row { name: (*name).to_owned(), cells: cells(i) };
+    let mut rows: Vec<Row> = sequences.iter().enumerate().map(row).collect();
     let mut n_summary_rows = 0;
     if sequences.len() > 1 {
         rows.push(mean_row(&columns, sequences.len()));
@@ -73,6 +66,7 @@ pub fn baselines_for<'a>(results: &Results, baselines: &'a [Baseline], metric: M
     baselines.iter().filter(fits).collect()
 }
 
+#[derive(Default)]
 struct Column {
     head: String,
     cells: Vec<Cell>,
@@ -82,13 +76,7 @@ struct Column {
 }
 
 fn our_column(results: &Results, configuration: &str, sequences: &[&str], metric: Metric) -> Column {
-    let mut column = Column {
-        head: configuration.to_owned(),
-        cells: Vec::new(),
-        values: Vec::new(),
-        notes: Vec::new(),
-        is_ours: true,
-    };
+    let mut column = Column { head: configuration.to_owned(), is_ours: true, ..Column::default() };
     for sequence in sequences {
         let repeats = results.repeats(sequence, configuration);
         let values: Vec<f64> = repeats.iter().filter_map(|run| value(run, metric)).collect();
@@ -176,7 +164,7 @@ fn baseline_column(baseline: &Baseline, sequences: &[Option<&str>], metric: Metr
         .iter()
         .map(|&value| Cell { text: published(value, metric), value, ..Cell::default() })
         .collect();
-    Column { head: baseline.name.clone(), cells, values, notes: Vec::new(), is_ours: false }
+    Column { head: baseline.name.clone(), cells, values, ..Column::default() }
 }
 
 /// As many digits as were published: shortest form, trailing zeros of the metric's usual precision kept.

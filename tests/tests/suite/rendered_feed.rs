@@ -7,7 +7,7 @@ use features::{ExtractorConfig, Rig};
 use geometry::{Distortion, GrayImage, Pinhole, Sensor, StereoRig};
 use io::LoadedFrame;
 use runtime::{FrameFeed, FrameInfo, Setup, Unusable};
-use slam::Params;
+use slam::{CameraParams, Params};
 use synth::{Preset, World};
 
 /// The town, and the frames of its course that were rendered so far.
@@ -58,7 +58,11 @@ impl RenderedFeed {
         Setup {
             extractor: ExtractorConfig { keep: 700, ..ExtractorConfig::default() },
             vocabulary: Some(vocabulary),
-            ..Setup::new(Sensor::Stereo, Arc::new(rig), Params::stereo(40.0 * baseline_m, 10.0))
+            ..Setup::new(
+                Sensor::Stereo,
+                Arc::new(rig),
+                Params::of(CameraParams::stereo(40.0 * baseline_m, 10.0)),
+            )
         }
     }
 }

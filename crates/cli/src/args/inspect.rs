@@ -1,22 +1,14 @@
 //! Command line of the groups of commands: `dsslam inspect`, `dsslam eval` and `dsslam shell`; and where commands have moved.
 
-use clap::{Args, Subcommand};
+use clap::Subcommand;
 use eval::command::EvalCommand;
 
-use super::{ActivationArgs, VocabArgs};
+use super::{ActivationArgs, VocabAction};
 use crate::bag::BagArgs;
 use crate::help;
 use crate::places::PlacesArgs;
 use crate::shell::{CompletionsArgs, ManArgs};
 use crate::stage::{FeaturesArgs, MatchArgs, StereoArgs};
-
-/// Arguments of `dsslam inspect`.
-#[derive(Debug, Args)]
-pub(crate) struct InspectArgs {
-    /// What to look at.
-    #[command(subcommand)]
-    pub(crate) what: Inspect,
-}
 
 /// What `dsslam inspect` can look at.
 #[derive(Debug, Subcommand)]
@@ -37,16 +29,8 @@ pub(crate) enum Inspect {
     #[command(after_help = help::with_codes(include_str!("../../help/bag.txt")))]
     Bag(BagArgs),
     /// Trains, describes and converts vocabularies for place recognition.
-    #[command(after_help = help::with_codes(include_str!("../../help/vocab.txt")))]
-    Vocab(VocabArgs),
-}
-
-/// Arguments of `dsslam eval`.
-#[derive(Debug, Args)]
-pub(crate) struct EvalArgs {
-    /// What to evaluate.
-    #[command(subcommand)]
-    pub(crate) what: Eval,
+    #[command(subcommand, after_help = help::with_codes(include_str!("../../help/vocab.txt")))]
+    Vocab(VocabAction),
 }
 
 /// What `dsslam eval` does.
@@ -58,14 +42,6 @@ pub(crate) enum Eval {
     /// Recognizes places in a sequence with three selections of features: precision-recall curves and their areas.
     #[command(after_help = include_str!("../../help/places.txt"))]
     Places(PlacesArgs),
-}
-
-/// Arguments of `dsslam shell`.
-#[derive(Debug, Args)]
-pub(crate) struct ShellArgs {
-    /// What to print.
-    #[command(subcommand)]
-    pub(crate) what: ShellCommand,
 }
 
 /// What `dsslam shell` prints.

@@ -8,22 +8,22 @@ mod settings;
 mod show;
 mod vocab;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 
-use crate::bag::BagCommand;
+use crate::bag::BagAction;
 use crate::config::{CalibArgs, CheckArgs, DefaultArgs};
 use crate::console::Voice;
 use crate::doctor::DoctorArgs;
 use crate::export::ExportArgs;
 use crate::help;
 
-pub(crate) use inspect::{Eval, EvalArgs, Inspect, InspectArgs, ShellArgs, ShellCommand, moved};
+pub(crate) use inspect::{Eval, Inspect, ShellCommand, moved};
 pub(crate) use network::{ActivationArgs, NetworkArgs};
 pub(crate) use render::{DemoArgs, LayoutArg, SynthArgs, WorldArgs};
 pub(crate) use run::{RunArgs, ScheduleArg};
 pub(crate) use settings::SettingsArgs;
 pub(crate) use show::{ShowArgs, ViewArgs};
-pub(crate) use vocab::{VocabAction, VocabArgs, VocabTrainArgs};
+pub(crate) use vocab::{VocabAction, VocabTrainArgs};
 
 /// Visual SLAM: images in, trajectory and map out.
 ///
@@ -55,34 +55,26 @@ pub(crate) enum Command {
     #[command(after_help = help::with_codes(include_str!("../../help/view.txt")))]
     View(ViewArgs),
     /// Evaluates trajectories and place recognition against ground truth, as tables and plots.
-    #[command(after_help = help::with_codes(include_str!("../../help/eval.txt")))]
-    Eval(EvalArgs),
+    #[command(subcommand, after_help = help::with_codes(include_str!("../../help/eval.txt")))]
+    Eval(Eval),
     /// Prints the default configuration, checks and explains one, or shows what a calibration file says.
-    #[command(after_help = help::with_codes(include_str!("../../help/config.txt")))]
-    Config(ConfigArgs),
+    #[command(subcommand, after_help = help::with_codes(include_str!("../../help/config.txt")))]
+    Config(ConfigAction),
     /// Converts a map for other programs: point clouds, COLMAP and nerfstudio models, keyframe trajectories.
     #[command(after_help = help::with_codes(include_str!("../../help/export.txt")))]
     Export(ExportArgs),
     /// Looks at single stages: features, matches, disparities, activation; trains and converts vocabularies.
-    #[command(after_help = help::with_codes(include_str!("../../help/inspect.txt")))]
-    Inspect(InspectArgs),
+    #[command(subcommand, after_help = help::with_codes(include_str!("../../help/inspect.txt")))]
+    Inspect(Inspect),
     /// Lists the topics of a bag: the same as `dsslam inspect bag`.
-    #[command(hide = true)]
-    Bag(BagCommand),
+    #[command(subcommand, hide = true)]
+    Bag(BagAction),
     /// Lists what this machine has, what it lacks, and how to install it.
     #[command(after_help = help::with_codes(include_str!("../../help/doctor.txt")))]
     Doctor(DoctorArgs),
     /// Prints completions and manual pages.
-    #[command(after_help = help::with_codes(include_str!("../../help/shell.txt")))]
-    Shell(ShellArgs),
-}
-
-/// Arguments of `dsslam config`.
-#[derive(Debug, Args)]
-pub(crate) struct ConfigArgs {
-    /// What to do with the configuration.
-    #[command(subcommand)]
-    pub(crate) action: ConfigAction,
+    #[command(subcommand, after_help = help::with_codes(include_str!("../../help/shell.txt")))]
+    Shell(ShellCommand),
 }
 
 /// What `dsslam config` can do.

@@ -4,14 +4,6 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-/// Arguments of `dsslam inspect vocab`.
-#[derive(Debug, Args)]
-pub(crate) struct VocabArgs {
-    /// What to do with a vocabulary.
-    #[command(subcommand)]
-    pub(crate) action: VocabAction,
-}
-
 /// What `dsslam inspect vocab` can do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum VocabAction {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::args::NetworkArgs;
+use crate::args::{NetworkArgs, SettingsArgs};
 
 /// Arguments of `dsslam eval places`.
 #[derive(Debug, Args)]
@@ -51,21 +51,19 @@ pub(crate) struct PlacesArgs {
     /// Vocabulary for ORB [default: built in].
     #[arg(long, value_name = "FILE")]
     pub(super) vocab: Option<PathBuf>,
-    /// Configuration file (YAML); keys that it omits have their defaults.
-    #[arg(long, value_name = "FILE")]
-    pub(super) config: Option<PathBuf>,
-    /// Overrides one key of the configuration; may be repeated.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub(super) overrides: Vec<String>,
+    /// The configuration.
+    #[command(flatten)]
+    pub(super) settings: SettingsArgs,
     /// The network of `seman` and `ours`.
     #[command(flatten)]
     pub(super) network: NetworkArgs,
 }
 
 impl PlacesArgs {
-    /// The selections to compare.
+    /// The selections to compare, all in the order of the paper's table where none is named.
     pub(super) fn selections(&self) -> Vec<Selection> {
-        if self.selection.is_empty() { Selection::ALL.to_vec() } else { self.selection.clone() }
+        let all = Selection::value_variants();
+        if self.selection.is_empty() { all.to_vec() } else { self.selection.clone() }
     }
 
     /// Smallest number of chosen frames between query and answer.
@@ -83,11 +81,6 @@ pub(super) enum Selection {
     Seman,
     /// Highest activation of what is lasting.
     Ours,
-}
-
-impl Selection {
-    /// All of them, in the order of the paper's table.
-    const ALL: [Self; 3] = [Self::Trad, Self::Seman, Self::Ours];
 }
 
 impl fmt::Display for Selection {

@@ -14,7 +14,6 @@ mod xfeat;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use dsslam::Config;
 use eval::{Detection, LoopTruth, PrecisionRecallCurve, precision_recall};
 use io::open_sequence;
 
@@ -62,7 +61,7 @@ impl Outcome {
 /// A configuration that is wrong, a sequence without ground truth or revisits, a network that cannot be used, a folder that cannot
 /// be written.
 pub(crate) fn run(args: &PlacesArgs) -> Result<String> {
-    let config = Config::load(args.config.as_deref(), &args.overrides)?;
+    let config = args.settings.load()?;
     let sequence = open_sequence(&args.sequence, None)?;
     let selections = args.selections();
     let truth = truth::of(&sequence, args)?;
@@ -112,24 +111,16 @@ fn recognize(
     Ok(answers)
 }
 
-/// The curve of a selection none of whose answers geometry supports.
-fn nothing_found(n_events: usize) -> PrecisionRecallCurve {
-    PrecisionRecallCurve {
-        points: Vec::new(),
-        auc: 0.0,
-        recall_at_full_precision: 0.0,
-        n_detections: 0,
-        n_events,
-    }
-}
-
 /// Curves of the answers that geometry supports.
 fn outcome(selection: Selection, answers: Vec<Answer>, truth: &LoopTruth) -> Result<Outcome> {
     let curve = |score: &dyn Fn(Evidence) -> f64| {
         let detection = |a: &Answer| Some(Detection { score: score(a.evidence?), is_correct: a.is_correct });
         let detections: Vec<Detection> = answers.iter().filter_map(detection).collect();
         if detections.is_empty() {
-            return Ok(nothing_found(truth.n_queries()));
+            return Ok(PrecisionRecallCurve {
+                n_events: truth.n_queries(),
+                ..PrecisionRecallCurve::default()
+            });
         }
         precision_recall(&detections, truth.n_queries()).with_context(|| format!("selection {selection}"))
     };

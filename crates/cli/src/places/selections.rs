@@ -7,8 +7,8 @@ use bow::{Transformed, Vocabulary};
 use dsfeat::Network;
 use dsslam::Config;
 use features::{
-    ActivationMap, Contender, Descriptor, Extractor, ExtractorConfig, SelectionConfig, SelectionRule, Spread,
-    select,
+    ActivationMap, Contender, Descriptor, Extractor, ExtractorConfig, Keypoint, SelectionConfig,
+    SelectionRule, Spread, select,
 };
 use geometry::{GrayImage, Raster, Vec2};
 
@@ -120,7 +120,7 @@ fn learned(
         SelectionRule::Response => 1.0,
     };
     Sight {
-        pixels: kept.iter().map(|&i| pixel(contenders[i].x, contenders[i].y)).collect(),
+        pixels: kept.iter().map(|&i| Vec2::new(contenders[i].x.into(), contenders[i].y.into())).collect(),
         trust: kept.iter().map(|&i| f64::from(map.at(contenders[i].x, contenders[i].y))).collect(),
         look: Look::Dense {
             descriptors: kept.iter().map(|&i| features.keypoints[i].descriptor).collect(),
@@ -141,7 +141,7 @@ fn sparse(
         extractor.extract_selected(image, config, map)?;
     let described = words.of(&features.descriptors, &lasting);
     Ok(Sight {
-        pixels: features.keypoints.iter().map(|k| pixel(k.x, k.y)).collect(),
+        pixels: features.keypoints.iter().map(Keypoint::pixel).collect(),
         trust: activation.into_iter().map(f64::from).collect(),
         look: Look::Sparse {
             keypoints: features.keypoints,
@@ -155,10 +155,6 @@ fn sparse(
 /// Full activation over the whole image.
 fn everywhere(image: &GrayImage) -> Result<ActivationMap> {
     ActivationMap::new(Raster::new(1, 1, 1.0), image.width, image.height).context("the image is empty")
-}
-
-fn pixel(x: f32, y: f32) -> Vec2 {
-    Vec2::new(f64::from(x), f64::from(y))
 }
 
 #[cfg(test)]

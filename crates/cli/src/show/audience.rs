@@ -37,7 +37,7 @@ impl Audience {
     /// # Errors
     /// A file that cannot be made, a viewer that cannot be started.
     pub(crate) fn gather(job: &Job) -> Result<Self, Failure> {
-        let (show, path) = (&job.show, job.folder.file(FILE_NAME));
+        let (show, path) = (&job.wishes.show, job.folder.file(FILE_NAME));
         let options = StreamOptions { image_every: show.rerun_every, ..StreamOptions::default() };
         let mut audience =
             Audience { progress: Progress::new(), file: None, room: None, mcap: None, viewer: None };

@@ -96,7 +96,7 @@ impl Found {
         let mut canvas = Canvas::of_gray(image, zoom);
         canvas.wash([0, 0, 0], 0.25);
         let dropped = self.selected.iter().flat_map(|selected| &selected.dropped);
-        dropped.for_each(|keypoint| canvas.disc(&Canvas::magnified(&pixel(keypoint), zoom), 2.2, DROPPED));
+        dropped.for_each(|keypoint| canvas.disc(&Canvas::magnified(&keypoint.pixel(), zoom), 2.2, DROPPED));
         for keypoint in self.features.iter().rev() {
             let color = if self.selected.is_some() { KEPT } else { color(keypoint.octave.into()) };
             mark(&mut canvas, keypoint, zoom, settings.scale_factor, color);
@@ -147,12 +147,8 @@ fn color(octave: usize) -> Color {
     PALETTE[octave % PALETTE.len()]
 }
 
-fn pixel(keypoint: &Keypoint) -> Vec2 {
-    Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y))
-}
-
 fn mark(canvas: &mut Canvas, keypoint: &Keypoint, zoom: usize, scale_factor: f64, color: Color) {
-    let at = Canvas::magnified(&pixel(keypoint), zoom);
+    let at = Canvas::magnified(&keypoint.pixel(), zoom);
     let scale = scale_factor.powi(i32::from(keypoint.octave));
     let radius_px = RING_PX * scale * zoom as f64;
     let (sin, cos) = f64::from(keypoint.angle_deg).to_radians().sin_cos();

@@ -182,16 +182,10 @@ impl MatchArgs {
 impl Pair {
     fn of(mut pictures: [Picture; 2], ideal: impl Fn(Vec2) -> Vec2) -> Self {
         let features = pictures.each_mut().map(|picture| picture.extractor.extract(&picture.image));
-        let pixels = [0, 1].map(|side| {
-            (0..features[side].keypoints.len()).map(|i| ideal(pixel(&features[side], i))).collect()
-        });
+        let pixels = [0, 1]
+            .map(|side| features[side].keypoints.iter().map(|keypoint| ideal(keypoint.pixel())).collect());
         Self { pictures, features, pixels }
     }
-}
-
-/// Where a feature lies in its image as it is shown.
-fn pixel(features: &Features, i: usize) -> Vec2 {
-    Vec2::new(f64::from(features.keypoints[i].x), f64::from(features.keypoints[i].y))
 }
 
 /// Wide images one below the other, others side by side; outliers first, so that inliers lie over them.
@@ -205,8 +199,8 @@ fn drawn(pair: &Pair, matches: &Matches, with_guided: bool) -> Canvas {
     let kinds = [(&matches.outliers, OUTLIER), (&matches.guided, GUIDED), (&matches.inliers, INLIER)];
     for (pairs, color) in kinds {
         for &(i, j) in pairs {
-            let from = pixel(&pair.features[0], i as usize);
-            let to = pixel(&pair.features[1], j as usize) + offset;
+            let from = pair.features[0].keypoints[i as usize].pixel();
+            let to = pair.features[1].keypoints[j as usize].pixel() + offset;
             canvas.line(&from, &to, Stroke { color, width_px: 0.8 });
             canvas.disc(&from, 2.2, color);
             canvas.disc(&to, 2.2, color);

@@ -2,8 +2,8 @@
 
 use eval::TIMESTAMP_TOLERANCE_S;
 use features::Rig;
-use geometry::{CameraModel, Distortion, ImageSize, Pinhole, Sensor};
-use io::SequenceKind;
+use geometry::{CameraModel, ImageSize, SE3, Sensor};
+use io::{RawCamera, SequenceKind};
 
 use super::sight::{self, Sight};
 use crate::Session;
@@ -18,7 +18,7 @@ pub(super) struct Facts {
     /// The camera that SLAM sees, after reduction and rectification.
     pub(super) rig: Rig,
     /// The cameras as they are calibrated, the left one first.
-    pub(super) cameras: Vec<Camera>,
+    pub(super) cameras: Vec<RawCamera>,
     pub(super) is_rectified: bool,
     pub(super) units_per_meter: f64,
     /// `None` where frames come as a stream.
@@ -29,22 +29,6 @@ pub(super) struct Facts {
     pub(super) map_rig: Option<Rig>,
     /// Frames that were looked at.
     pub(super) sights: Vec<Sight>,
-}
-
-/// A camera of a calibration.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Camera {
-    pub(super) pinhole: Pinhole,
-    pub(super) lens: Lens,
-    pub(super) size: ImageSize,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Lens {
-    RadialTangential(Distortion),
-    Fisheye,
-    /// With eight coefficients.
-    Rational,
 }
 
 /// Times of all frames.
@@ -63,12 +47,7 @@ impl Facts {
     pub(super) fn gather(session: &Session) -> Self {
         let (input, setup) = (session.input(), session.setup());
         let (sequence, feed, rig) = (input.sequence(), input.feed(), &*setup.rig);
-        let cameras = match &sequence.raw_calibration {
-            Some(raw) => {
-                raw.cameras.iter().map(|camera| Camera::of_model(&camera.model, camera.size)).collect()
-            }
-            None => vec![Camera::of_rig(rig)],
-        };
+        let raw = sequence.raw_calibration.as_ref();
         let times = feed.size_hint().filter(|_| sequence.kind != SequenceKind::Video).map(|n| {
             let times_s: Vec<f64> = (0..n).map(|i| feed.info(i).timestamp_s).collect();
             let with_truth = sequence.ground_truth.as_ref().map(|truth| {
@@ -85,7 +64,7 @@ impl Facts {
             layout: sequence.kind.name(),
             source: source.unwrap_or_else(|| input.config().provenance("camera.fx").to_string()),
             rig: rig.clone(),
-            cameras,
+            cameras: raw.map_or_else(|| vec![camera_of(rig)], |raw| raw.cameras.clone()),
             is_rectified: !sequence.rectification.is_empty(),
             units_per_meter: setup.depth.units_per_meter,
             with_truth,
@@ -96,21 +75,11 @@ impl Facts {
     }
 }
 
-impl Camera {
-    fn of_model(model: &CameraModel, size: ImageSize) -> Self {
-        match model {
-            CameraModel::Pinhole { camera, distortion } => {
-                Self { pinhole: *camera, lens: Lens::RadialTangential(*distortion), size }
-            }
-            CameraModel::KannalaBrandt(model) => Self { pinhole: model.camera, lens: Lens::Fisheye, size },
-            CameraModel::Rational(model) => Self { pinhole: model.camera, lens: Lens::Rational, size },
-        }
-    }
-
-    pub(super) fn of_rig(rig: &Rig) -> Self {
-        let size = ImageSize { width: rig.width, height: rig.height };
-        Self { pinhole: rig.stereo.camera, lens: Lens::RadialTangential(rig.distortion), size }
-    }
+/// The camera that SLAM sees.
+pub(super) fn camera_of(rig: &Rig) -> RawCamera {
+    let model = CameraModel::Pinhole { camera: rig.stereo.camera, distortion: rig.distortion };
+    let size = ImageSize { width: rig.width, height: rig.height };
+    RawCamera { model, size, body_from_cam: SE3::identity() }
 }
 
 impl Times {

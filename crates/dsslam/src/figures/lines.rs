@@ -1,9 +1,10 @@
 //! The figures in words, one line each.
 
-use geometry::Sensor;
+use geometry::{CameraModel, Sensor};
+use io::RawCamera;
 
 use super::Figure;
-use super::facts::{Camera, Facts, Lens, Times};
+use super::facts::{Facts, Times, camera_of};
 use super::sight::Sight;
 
 /// Camera, lens, baseline or depth, images, times, layout, ground truth.
@@ -22,8 +23,8 @@ pub(super) fn lines(facts: &Facts) -> Vec<Figure> {
 }
 
 fn camera(facts: &Facts) -> String {
-    let Camera { pinhole, size, .. } = Camera::of_rig(&facts.rig);
-    let [across, down] = field_of_view_deg(&Camera::of_rig(&facts.rig));
+    let camera = camera_of(&facts.rig);
+    let (pinhole, size, [across, down]) = (camera.model.pinhole(), camera.size, field_of_view_deg(&camera));
     format!(
         "{size} pixels, focal length {:.1} x {:.1} px, field of view {across:.0} x {down:.0} deg, principal point ({:.1}, {:.1})",
         pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy
@@ -31,19 +32,19 @@ fn camera(facts: &Facts) -> String {
 }
 
 /// Angles that a pinhole camera sees across and down, degrees.
-pub(super) fn field_of_view_deg(camera: &Camera) -> [f64; 2] {
+pub(super) fn field_of_view_deg(camera: &RawCamera) -> [f64; 2] {
     let angle = |focal: f64, center: f64, side: usize| {
         ((center / focal).atan() + ((side as f64 - center) / focal).atan()).to_degrees()
     };
-    let Camera { pinhole, size, .. } = camera;
+    let (pinhole, size) = (camera.model.pinhole(), camera.size);
     [angle(pinhole.fx, pinhole.cx, size.width), angle(pinhole.fy, pinhole.cy, size.height)]
 }
 
 fn distortion(facts: &Facts) -> String {
-    let model = match facts.cameras.first().map(|camera| camera.lens) {
-        Some(Lens::Fisheye) => "fisheye".to_owned(),
-        Some(Lens::Rational) => "rational, eight coefficients".to_owned(),
-        Some(Lens::RadialTangential(d)) if !d.is_zero() => {
+    let model = match facts.cameras.first().map(|camera| camera.model) {
+        Some(CameraModel::KannalaBrandt(_)) => "fisheye".to_owned(),
+        Some(CameraModel::Rational(_)) => "rational, eight coefficients".to_owned(),
+        Some(CameraModel::Pinhole { distortion: d, .. }) if !d.is_zero() => {
             format!("k1 {} k2 {} p1 {} p2 {} k3 {}", d.k1, d.k2, d.p1, d.p2, d.k3)
         }
         _ => "none".to_owned(),

@@ -1,9 +1,10 @@
 //! Rules that doubt calibration, times, ground truth and start map.
 
 use features::Rig;
-use geometry::{Sensor, Vec2};
+use geometry::{CameraModel, Sensor, Vec2};
+use io::RawCamera;
 
-use super::facts::{Camera, Facts, Lens, Times};
+use super::facts::{Facts, Times};
 use super::lines::{field_of_view_deg, short};
 use super::{Doubt, doubt};
 
@@ -43,12 +44,12 @@ pub(super) fn doubts(facts: &Facts) -> Vec<Doubt> {
     found
 }
 
-fn of_camera(camera: &Camera, name: &str) -> Vec<Doubt> {
-    let Camera { pinhole, size, lens } = camera;
+fn of_camera(camera: &RawCamera, name: &str) -> Vec<Doubt> {
+    let (pinhole, size) = (camera.model.pinhole(), camera.size);
     let mut found = Vec::new();
     let fov = field_of_view_deg(camera).into_iter().fold(0.0, f64::max);
     let [least, most] = FIELD_OF_VIEW_DEG;
-    if *lens != Lens::Fisheye && !(least..=most).contains(&fov) {
+    if !matches!(camera.model, CameraModel::KannalaBrandt(_)) && !(least..=most).contains(&fov) {
         let text = format!(
             "{name} sees {fov:.1} deg, usual are {least} to {most}: focal length {:.1} px for {size} pixels",
             pinhole.fx
@@ -68,8 +69,8 @@ fn of_camera(camera: &Camera, name: &str) -> Vec<Doubt> {
     found
 }
 
-fn principal_point(camera: &Camera, name: &str) -> Option<Doubt> {
-    let Camera { pinhole, size, .. } = camera;
+fn principal_point(camera: &RawCamera, name: &str) -> Option<Doubt> {
+    let (pinhole, size) = (camera.model.pinhole(), camera.size);
     let (width, height) = (size.width as f64, size.height as f64);
     let (x, y) = (pinhole.cx / width, pinhole.cy / height);
     let place = format!(
@@ -93,9 +94,9 @@ fn principal_point(camera: &Camera, name: &str) -> Option<Doubt> {
 }
 
 /// The lens must be invertible on the middle of each edge, and move it moderately.
-fn lens_of(camera: &Camera, name: &str) -> Option<Doubt> {
-    let Camera { pinhole, size, lens: Lens::RadialTangential(lens) } = camera else { return None };
-    let (width, height) = (size.width as f64, size.height as f64);
+fn lens_of(camera: &RawCamera, name: &str) -> Option<Doubt> {
+    let CameraModel::Pinhole { camera: pinhole, distortion: lens } = &camera.model else { return None };
+    let (width, height) = (camera.size.width as f64, camera.size.height as f64);
     let middles = [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)];
     let (mut shift_px, mut miss_px) = (0.0_f64, 0.0_f64);
     for (x, y) in middles {

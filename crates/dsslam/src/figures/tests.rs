@@ -1,10 +1,10 @@
 //! Each rule doubts what it is for, and nothing else does; good figures of real cameras are left alone.
 
 use features::Rig;
-use geometry::{Distortion, ImageSize, Pinhole, Sensor, StereoRig};
+use geometry::{CameraModel, Distortion, ImageSize, KannalaBrandt, Pinhole, Sensor, StereoRig};
 
 use super::Figures;
-use super::facts::{Camera, Facts, Lens, Times};
+use super::facts::{Facts, Times, camera_of};
 use super::sight::{Look, Pairing, Sight};
 
 const SIZE: ImageSize = ImageSize { width: 1226, height: 370 };
@@ -35,7 +35,7 @@ fn good() -> Facts {
         sensor: Sensor::Stereo,
         layout: "KITTI odometry",
         source: "calib.txt".to_owned(),
-        cameras: vec![Camera::of_rig(&rig)],
+        cameras: vec![camera_of(&rig)],
         rig,
         is_rectified: false,
         units_per_meter: 5000.0,
@@ -52,12 +52,12 @@ fn desk() -> Facts {
     let rig = rig(Pinhole { fx: 517.3, fy: 516.5, cx: 318.6, cy: 255.3 }, 0.077, size);
     let sight = Sight { right: None, pairing: None, depths_m: vec![0.8, 1.1, 1.7], ..sight() };
     let sights = vec![sight; 5];
-    Facts { sensor: Sensor::Rgbd, cameras: vec![Camera::of_rig(&rig)], rig, sights, ..good() }
+    Facts { sensor: Sensor::Rgbd, cameras: vec![camera_of(&rig)], rig, sights, ..good() }
 }
 
 /// The doubts about a sequence with another camera.
 fn of_camera(pinhole: Pinhole, size: ImageSize) -> Vec<&'static str> {
-    rules_of(&Facts { cameras: vec![Camera { pinhole, size, ..good().cameras[0].clone() }], ..good() })
+    rules_of(&Facts { cameras: vec![camera_of(&rig(pinhole, 0.537, size))], ..good() })
 }
 
 fn rules_of(facts: &Facts) -> Vec<&'static str> {
@@ -121,13 +121,16 @@ fn cameras_that_no_lens_makes_are_doubted() {
 #[test]
 fn distortions_that_fold_the_image_are_doubted() {
     let of = |k1, k2| {
-        let lens = Lens::RadialTangential(Distortion { k1, k2, ..Distortion::default() });
-        rules_of(&Facts { cameras: vec![Camera { lens, ..good().cameras[0].clone() }], ..good() })
+        let distortion = Distortion { k1, k2, ..Distortion::default() };
+        let camera = camera_of(&Rig { distortion, ..good().rig });
+        rules_of(&Facts { cameras: vec![camera], ..good() })
     };
     assert_eq!(of(-0.28, 0.07), [""; 0]);
     assert_eq!(of(-24.4, -628.0), ["lens"]);
     assert_eq!(of(0.0, 900.0), ["lens"]);
-    let fisheye = Camera { lens: Lens::Fisheye, ..good().cameras[0].clone() };
+    let model =
+        CameraModel::KannalaBrandt(KannalaBrandt { camera: PINHOLE, k1: 0.0, k2: 0.0, k3: 0.0, k4: 0.0 });
+    let fisheye = io::RawCamera { model, ..good().cameras[0].clone() };
     assert_eq!(rules_of(&Facts { cameras: vec![fisheye], ..good() }), [""; 0]);
 }
 

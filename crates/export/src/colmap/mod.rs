@@ -42,8 +42,9 @@ fn pose(view: &View) -> [f64; 7] {
     [q.w, q.i, q.j, q.k, t.x, t.y, t.z]
 }
 
+/// Cameras and features are far fewer than 2^32.
 fn camera_id(index: usize) -> u32 {
-    id(index)
+    index as u32 + 1
 }
 
 fn image_id(view: &View) -> u32 {
@@ -52,11 +53,6 @@ fn image_id(view: &View) -> u32 {
 
 fn point_id(point: &Point) -> u64 {
     u64::from(point.id) + 1
-}
-
-/// Indices of features and cameras: far fewer than 2^32.
-fn id(index: usize) -> u32 {
-    u32::try_from(index + 1).unwrap_or(u32::MAX)
 }
 
 /// The features of a view: pixel and, where it shows a point, the point's id.
@@ -68,7 +64,7 @@ fn features<'a>(scene: &'a Scene, view: &'a View) -> impl ExactSizeIterator<Item
 
 /// The track of a point: image id and index of the feature.
 fn track<'a>(scene: &'a Scene, point: &'a Point) -> impl ExactSizeIterator<Item = (u32, u32)> + 'a {
-    let element = |&(view, feature): &(usize, usize)| (image_id(&scene.views[view]), id(feature) - 1);
+    let element = |&(view, feature): &(usize, usize)| (image_id(&scene.views[view]), feature as u32);
     point.track.iter().map(element)
 }
 

@@ -6,12 +6,7 @@ mod decompose;
 pub use decompose::{PlanarMotion, decompose_homography};
 
 use crate::aliases::{Mat3, Vec2, Vec3};
-use crate::fundamental::normalization;
-use crate::svd::{RightSvd, triangular_factor};
-use nalgebra::{OMatrix, RowSVector, U9};
-
-/// Second smallest singular value over the largest below which the pairs do not determine the matrix.
-const MIN_RANK_RATIO: f64 = 1e-9;
+use crate::fundamental::{Normalized, direct_linear};
 
 /// Determinant of a matrix of norm one below which it flattens the image.
 const MIN_DETERMINANT: f64 = 1e-14;
@@ -105,28 +100,14 @@ pub fn estimate_homography(
     pixels_b: &[Vec2],
     weights: Option<&[f64]>,
 ) -> Option<Homography> {
-    let n = pixels_a.len();
-    if n < 4 || pixels_b.len() != n || weights.is_some_and(|w| w.len() != n || w.iter().any(|&v| v < 0.0)) {
-        return None;
-    }
-    let (normalize_a, normalize_b) = (normalization(pixels_a)?, normalization(pixels_b)?);
-    // Nine rows at least, so that the triangular factor is square.
-    let mut system = OMatrix::<f64, nalgebra::Dyn, U9>::zeros((2 * n).max(9));
-    for i in 0..n {
-        let a = normalize_a * pixels_a[i].push(1.0);
-        let b = normalize_b * pixels_b[i].push(1.0);
-        let weight = weights.map_or(1.0, |w| w[i].sqrt());
-        let first = [0.0, 0.0, 0.0, -a.x, -a.y, -1.0, b.y * a.x, b.y * a.y, b.y];
-        let second = [a.x, a.y, 1.0, 0.0, 0.0, 0.0, -b.x * a.x, -b.x * a.y, -b.x];
-        system.set_row(2 * i, &(RowSVector::<f64, 9>::from_row_slice(&first) * weight));
-        system.set_row(2 * i + 1, &(RowSVector::<f64, 9>::from_row_slice(&second) * weight));
-    }
-    let svd = RightSvd::new(&triangular_factor(system)?)?;
-    if svd.values[7] <= MIN_RANK_RATIO * svd.values[0] {
-        return None;
-    }
-    let normalized = Mat3::from_row_slice(svd.null_vector().as_slice());
+    let rows = |a: Vec3, b: Vec3| {
+        [
+            [0.0, 0.0, 0.0, -a.x, -a.y, -1.0, b.y * a.x, b.y * a.y, b.y],
+            [a.x, a.y, 1.0, 0.0, 0.0, 0.0, -b.x * a.x, -b.x * a.y, -b.x],
+        ]
+    };
+    let Normalized { a, b, matrix } = direct_linear(pixels_a, pixels_b, weights, 4, rows)?;
     // Judged before the scales of the pixels come in.
-    Homography::new(&normalized)?;
-    Homography::new(&(normalize_b.try_inverse()? * normalized * normalize_a))
+    Homography::new(&matrix)?;
+    Homography::new(&(b.try_inverse()? * matrix * a))
 }

@@ -53,7 +53,7 @@ pub(super) fn resolve<T: Default + Serialize + DeserializeOwned>(
 /// What took the place of a key of older configurations, with its value.
 fn renamed(given: &Given) -> Option<Given> {
     match (given.key.as_str(), &given.value) {
-        ("stereo.calibration_frames", Value::Integer(frames)) => Some(Given {
+        (RENAMED, Value::Integer(frames)) => Some(Given {
             key: "mapping.refine_calibration".to_owned(),
             value: Value::Flag(*frames > 0),
             place: given.place.clone(),
@@ -62,11 +62,10 @@ fn renamed(given: &Given) -> Option<Given> {
     }
 }
 
-/// Keys of older configurations whose values cannot be used, with what took their place.
-const GONE: [(&str, &str); 1] = [(
-    "stereo.calibration_frames",
-    "the calibration is refined within the run (mapping.refine_calibration), leave it out",
-)];
+/// A key of older configurations, and what is said of values that cannot be taken over.
+const RENAMED: &str = "stereo.calibration_frames";
+const GONE: &str =
+    "this key is gone: the calibration is refined within the run (mapping.refine_calibration), leave it out";
 
 /// The entry that a given value sets; `None` for a section that is empty.
 fn check<'a>(keys: &'a [Entry], given: &Given) -> Result<Option<&'a Entry>, Problem> {
@@ -90,11 +89,8 @@ fn check<'a>(keys: &'a [Entry], given: &Given) -> Result<Option<&'a Entry>, Prob
     if let Some(entry) = keys.iter().find(inside) {
         return Err(Problem::new(&given.place, entry.key, "a section", &entry.expectation()));
     }
-    if let Some((_, instead)) = GONE.iter().find(|(key, _)| *key == given.key) {
-        let message = format!("this key is gone: {instead}");
-        return Err(Problem { place: given.place.clone(), key: given.key.clone(), message });
-    }
     let message = match suggest::find_nearest(&given.key, keys.iter().map(|entry| entry.key)) {
+        _ if given.key == RENAMED => GONE.to_owned(),
         Some(nearest) => format!("unknown key, did you mean {nearest}?"),
         None => "unknown key".to_string(),
     };

@@ -55,29 +55,23 @@ impl Cameras {
             let (found, expected) = (right.size.to_string(), format!("{} as in {source}", left.size));
             return Err(DatasetError::in_field(origin.right, origin.size_field, found, expected));
         }
-        if let Some(rig) = rectified_already(&left, &right) {
-            return Ok(Self {
-                calibration: Some(Calibration {
-                    rig,
-                    distortion: Distortion::default(),
-                    source: source.clone(),
-                }),
-                body_from_left: left.body_from_cam,
-                raw: Some(RawCalibration { cameras: vec![left, right], source }),
-                views: Vec::new(),
-            });
-        }
-        let size = (left.size.width, left.size.height);
-        let right_from_left = right.body_from_cam.inverse() * left.body_from_cam;
-        let refused = |error| match error {
-            RectificationError::Folded { camera: 0, .. } => failure(origin.left, &lens(&left.model), error),
-            RectificationError::Folded { .. } => failure(origin.right, &lens(&right.model), error),
-            _ => failure(origin.right, origin.pose_field, error),
+        let (rig, views, body_from_left) = if let Some(rig) = rectified_already(&left, &right) {
+            (rig, Vec::new(), left.body_from_cam)
+        } else {
+            let size = (left.size.width, left.size.height);
+            let right_from_left = right.body_from_cam.inverse() * left.body_from_cam;
+            let refused = |error| match error {
+                RectificationError::Folded { camera: 0, .. } => {
+                    failure(origin.left, &lens(&left.model), error)
+                }
+                RectificationError::Folded { .. } => failure(origin.right, &lens(&right.model), error),
+                _ => failure(origin.right, origin.pose_field, error),
+            };
+            let StereoRectification { rectified_from_left, rectified_from_right, rig } =
+                rectify_stereo(&left.model, &right.model, size, &right_from_left).map_err(refused)?;
+            let views = vec![view(&left, rectified_from_left), view(&right, rectified_from_right)];
+            (rig, views, left.body_from_cam * turn(&rectified_from_left).inverse())
         };
-        let StereoRectification { rectified_from_left, rectified_from_right, rig } =
-            rectify_stereo(&left.model, &right.model, size, &right_from_left).map_err(refused)?;
-        let body_from_left = left.body_from_cam * turn(&rectified_from_left).inverse();
-        let views = vec![view(&left, rectified_from_left), view(&right, rectified_from_right)];
         Ok(Self {
             calibration: Some(Calibration { rig, distortion: Distortion::default(), source: source.clone() }),
             raw: Some(RawCalibration { cameras: vec![left, right], source }),

@@ -162,9 +162,7 @@ impl FrameSource {
             Packing::LeftHalf | Packing::BothHalves => half_size(&self.left, size),
         }
     }
-}
 
-impl FrameSource {
     /// A frame of one image.
     pub(crate) fn of(index: usize, timestamp_ns: i64, left: PathBuf) -> Self {
         Self {

@@ -5,6 +5,7 @@ use std::time::SystemTime;
 
 use super::FrameSource;
 use crate::file::{FileError, Line, TextFile, counted, shown};
+use crate::trajectory::Stamp;
 
 /// Nanoseconds in a second.
 const SECOND: i64 = 1_000_000_000;
@@ -15,9 +16,7 @@ pub fn seconds(ns: i64) -> f64 {
     if ns.unsigned_abs() < 1 << 53 {
         return ns as f64 / SECOND as f64;
     }
-    let (sign, whole, rest) =
-        (if ns < 0 { "-" } else { "" }, ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
-    format!("{sign}{whole}.{rest:09}").parse().unwrap_or(ns as f64 / SECOND as f64)
+    Stamp(ns).to_string().parse().unwrap_or(ns as f64 / SECOND as f64)
 }
 
 /// The nearest time to this many seconds.
@@ -107,15 +106,7 @@ impl Order {
 
 /// Seconds with the digits that they need.
 fn shown_seconds(ns: i64) -> String {
-    if ns < 0 {
-        return seconds(ns).to_string();
-    }
-    let (whole, fraction) = (ns / SECOND, ns % SECOND);
-    let digits = format!("{fraction:09}");
-    match digits.trim_end_matches('0') {
-        "" => whole.to_string(),
-        digits => format!("{whole}.{digits}"),
-    }
+    Stamp(ns).to_string().trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A line per frame: seconds, or a date with a time of day.

@@ -49,6 +49,17 @@ impl<'a> Field<'a> {
         Some(self).filter(Self::is_there)
     }
 
+    /// What `read` makes of it, if something stands there.
+    ///
+    /// # Errors
+    /// Those of `read`.
+    pub(crate) fn if_there<T>(
+        &self,
+        read: impl FnOnce(&Self) -> Result<T, DatasetError>,
+    ) -> Result<Option<T>, DatasetError> {
+        if self.is_there() { read(self).map(Some) } else { Ok(None) }
+    }
+
     /// Names of the fields of a section.
     pub(crate) fn keys(&self) -> impl Iterator<Item = &'a str> {
         self.entries().iter().map(|(name, _)| name.as_str())
@@ -127,7 +138,7 @@ impl<'a> Field<'a> {
     /// # Errors
     /// What stands there is no finite number.
     pub(crate) fn optional(&self, expected: &str) -> Result<Option<f64>, DatasetError> {
-        if self.is_there() { self.number(expected).map(Some) } else { Ok(None) }
+        self.if_there(|field| field.number(expected))
     }
 
     /// A number above 0.

@@ -56,12 +56,18 @@ pub fn load_rgb(path: &Path) -> Result<Rgb, ImageError> {
 /// # Errors
 /// [`ImageError`] as far as the header shows it.
 pub fn image_size(path: &Path) -> Result<ImageSize, ImageError> {
-    header(path, |decoder| size_from_dimensions(decoder.dimensions()))
+    kind(path).map(|(size, _)| size)
 }
 
 /// Size and kind of pixel from an image's header.
 pub(super) fn kind(path: &Path) -> Result<(ImageSize, ColorType), ImageError> {
-    header(path, |decoder| (size_from_dimensions(decoder.dimensions()), decoder.color_type()))
+    check_regular(path).map_err(|error| unreadable(path, &error))?;
+    let file = File::open(path).map_err(|error| unreadable(path, &error))?;
+    let mut reader = BufReader::new(file);
+    let head = std::io::BufRead::fill_buf(&mut reader).map_err(|error| unreadable(path, &error))?;
+    let format = format_of(path, head)?;
+    let decoder = decoder(reader, format).map_err(|error| corrupt(path, format, &error))?;
+    Ok((size_from_dimensions(decoder.dimensions()), decoder.color_type()))
 }
 
 /// How a file says that it is to be shown, where not as it is stored.
@@ -75,33 +81,6 @@ pub(super) fn orientation(path: &Path) -> Option<&'static str> {
         Orientation::Rotate270 => "turned by 270 degrees",
         _ => "mirrored",
     })
-}
-
-/// Something out of the header of a file.
-fn header<T>(path: &Path, get: impl FnOnce(&dyn Header) -> T) -> Result<T, ImageError> {
-    check_regular(path).map_err(|error| unreadable(path, &error))?;
-    let file = File::open(path).map_err(|error| unreadable(path, &error))?;
-    let mut reader = BufReader::new(file);
-    let head = std::io::BufRead::fill_buf(&mut reader).map_err(|error| unreadable(path, &error))?;
-    let format = format_of(path, head)?;
-    let decoder = decoder(reader, format).map_err(|error| corrupt(path, format, &error))?;
-    Ok(get(&decoder))
-}
-
-/// What a decoder knows before the pixels.
-trait Header {
-    fn dimensions(&self) -> (u32, u32);
-    fn color_type(&self) -> ColorType;
-}
-
-impl<T: ImageDecoder> Header for T {
-    fn dimensions(&self) -> (u32, u32) {
-        ImageDecoder::dimensions(self)
-    }
-
-    fn color_type(&self) -> ColorType {
-        ImageDecoder::color_type(self)
-    }
 }
 
 /// Pixels as the decoder gives them, 16-bit values in native byte order.

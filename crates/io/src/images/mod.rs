@@ -81,21 +81,27 @@ pub fn load_frame(source: &FrameSource) -> Result<LoadedFrame, ImageError> {
     let (left, packed_right) = halves::take(load_gray(&source.left)?, source.packing, &source.left)?;
     let expected = left.size();
     let because = format!("as {}", source.left.display());
-    let mut right = packed_right;
+    let mut frame = LoadedFrame { left, right: packed_right, depth: None };
     if let Some(path) = &source.right {
-        let image = load_gray(path)?;
-        check_size(path, image.size(), expected, &because)?;
-        right = Some(image);
+        let right = frame.right.insert(load_gray(path)?);
+        check_size(path, right.size(), expected, &because)?;
     }
-    let mut depth = None;
     if let Some(path) = &source.depth {
-        let image = load_depth(path)?;
-        check_size(path, image.size(), expected, &because)?;
-        depth = Some(image);
+        let depth = frame.depth.insert(load_depth(path)?);
+        check_size(path, depth.size(), expected, &because)?;
     }
-    Ok(LoadedFrame { left, right, depth })
+    Ok(frame)
 }
 
-fn check_size(path: &Path, found: ImageSize, expected: ImageSize, because: &str) -> Result<(), ImageError> {
+/// Compares the size of an image with the one that it should have; `because` says where that comes from.
+///
+/// # Errors
+/// [`ImageError::WrongSize`].
+pub fn check_size(
+    path: &Path,
+    found: ImageSize,
+    expected: ImageSize,
+    because: &str,
+) -> Result<(), ImageError> {
     if found == expected { Ok(()) } else { Err(ImageError::wrong_size(path, found, expected, because)) }
 }

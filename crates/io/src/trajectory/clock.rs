@@ -14,7 +14,7 @@ pub struct Clock {
 
 /// A time that is written as seconds with nine decimals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stamp(i64);
+pub struct Stamp(pub(crate) i64);
 
 impl Clock {
     /// The clock of these frames.

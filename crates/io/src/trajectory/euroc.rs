@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use geometry::{SE3, Vec3};
-
-use super::{Clock, StampedPose, Trajectory, numbers, rotation_from_quaternion, write_rows};
+use super::{Clock, StampedPose, Trajectory, numbers, pose, write_rows};
 use crate::dataset::stamps::seconds;
 use crate::file::{FileError, Line, counted};
 
@@ -20,13 +18,8 @@ pub(super) fn row(line: &Line<'_>, w_first: bool) -> Result<StampedPose, FileErr
     let stamp = fields.next().unwrap_or_default();
     let stamp_ns: i64 =
         stamp.parse().map_err(|_| line.error(crate::file::shown(stamp), "whole nanoseconds"))?;
-    let [px, py, pz, q @ ..] = line.numbers::<7>(fields.take(7), EXPECTED)?;
-    let [a, b, c, d] = q;
-    let rotation = rotation_from_quaternion(line, if w_first { q } else { [d, a, b, c] })?;
-    Ok(StampedPose {
-        timestamp_s: seconds(stamp_ns),
-        world_from_cam: SE3::new(rotation, Vec3::new(px, py, pz)),
-    })
+    let [px, py, pz, a, b, c, d] = line.numbers(fields.take(7), EXPECTED)?;
+    pose(line, seconds(stamp_ns), [px, py, pz], if w_first { [a, b, c, d] } else { [d, a, b, c] })
 }
 
 /// Writes poses in the first eight columns of EuRoC's ground truth: times rounded to nanoseconds (times before 1970 count as 0), poses

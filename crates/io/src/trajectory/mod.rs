@@ -8,7 +8,7 @@ mod tum;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use geometry::SE3;
+use geometry::{SE3, SO3};
 
 use crate::file::{FileError, Line, TextFile, counted, write_atomic};
 
@@ -260,18 +260,24 @@ pub(crate) fn check_increasing(line: &Line<'_>, previous: Option<f64>, time_s: f
     }
 }
 
-/// A rotation out of quaternion components as files round them; refuses what is far from unit length.
-fn rotation_from_quaternion(line: &Line<'_>, wxyz: [f64; 4]) -> Result<geometry::SO3, FileError> {
+/// A pose with a quaternion as files round it; refuses one that is far from unit length.
+fn pose(
+    line: &Line<'_>,
+    timestamp_s: f64,
+    position: [f64; 3],
+    [w, x, y, z]: [f64; 4],
+) -> Result<StampedPose, FileError> {
     /// Files keep four decimals or more; a larger deviation is not due to rounding.
     const TOLERANCE: f64 = 0.01;
-    let [w, x, y, z] = wxyz;
     let quaternion = nalgebra::Quaternion::new(w, x, y, z);
     let norm = quaternion.norm();
     if (norm - 1.0).abs() > TOLERANCE {
         return Err(line.error(format!("a quaternion of length {norm:.6}"), "a unit quaternion"));
     }
-    Ok(geometry::SO3::from_quaternion(&nalgebra::UnitQuaternion::from_quaternion(quaternion)))
+    let rotation = SO3::from_quaternion(&geometry::Quaternion::from_quaternion(quaternion));
+    Ok(StampedPose { timestamp_s, world_from_cam: SE3::new(rotation, position.into()) })
 }
+
 /// Position and quaternion x, y, z, w.
 fn numbers(pose: &SE3) -> [f64; 7] {
     let (t, q) = (pose.translation, pose.rotation.to_quaternion());

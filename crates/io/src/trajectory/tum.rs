@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use geometry::{SE3, Vec3};
-
-use super::{Clock, StampedPose, Trajectory, numbers, rotation_from_quaternion, write_rows};
+use super::{Clock, StampedPose, Trajectory, numbers, pose, write_rows};
 use crate::file::{FileError, Line};
 
 pub(super) const EXPECTED: &str = "8 numbers (timestamp tx ty tz qx qy qz qw)";
@@ -15,16 +13,14 @@ pub(super) const UNSTAMPED_COLUMNS: usize = 7;
 /// One row.
 pub(super) fn row(line: &Line<'_>) -> Result<StampedPose, FileError> {
     let [timestamp_s, tx, ty, tz, qx, qy, qz, qw] = line.numbers(line.text.split_whitespace(), EXPECTED)?;
-    let rotation = rotation_from_quaternion(line, [qw, qx, qy, qz])?;
-    Ok(StampedPose { timestamp_s, world_from_cam: SE3::new(rotation, Vec3::new(tx, ty, tz)) })
+    pose(line, timestamp_s, [tx, ty, tz], [qw, qx, qy, qz])
 }
 
 /// Row number `index` of a file without times.
 pub(super) fn unstamped_row(line: &Line<'_>, index: usize) -> Result<StampedPose, FileError> {
     const EXPECTED: &str = "7 numbers (tx ty tz qx qy qz qw)";
     let [tx, ty, tz, qx, qy, qz, qw] = line.numbers(line.text.split_whitespace(), EXPECTED)?;
-    let rotation = rotation_from_quaternion(line, [qw, qx, qy, qz])?;
-    Ok(StampedPose { timestamp_s: index as f64, world_from_cam: SE3::new(rotation, Vec3::new(tx, ty, tz)) })
+    pose(line, index as f64, [tx, ty, tz], [qw, qx, qy, qz])
 }
 
 /// Writes a TUM trajectory: times with nine decimals, poses exact to 1e-9 when read back.

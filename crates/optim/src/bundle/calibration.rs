@@ -12,10 +12,11 @@ use simd::Simd;
 use super::rig::{RigCamera, RigObservation};
 use super::schur::border::Border;
 use super::schur::{Estimate, System};
-use super::solver::{Damping, Edge};
+use super::solver::Edge;
 use super::structure::Structure;
 use super::{BundleOptions, BundleProblem, edge};
-use crate::robust::{Loss, NEGLIGIBLE_DECREASE};
+use crate::descent::Attempt;
+use crate::robust::Loss;
 use model::CalibratedRig;
 
 /// Number of unknowns of a calibration.
@@ -74,29 +75,18 @@ pub fn refine_calibration(
     let mut trial = current.clone();
     let mut cost = system.cost(&model, &current, loss).plus(model.prior_cost());
     let initial = cost.total();
-    let mut damping = Damping::new(options.initial_damping);
-    for _ in 0..options.max_iterations {
-        system.linearize(&model, &current, loss, damping.lambda);
-        let border = Border::linearize(&system, &model, &current, loss, damping.lambda);
-        let mut is_down = false;
-        if let Some((moved, predicted)) = border.solve_step(&mut system, &model, &current, &mut trial) {
-            let next = system.cost(&moved, &trial, loss).plus(moved.prior_cost());
-            let decrease = cost.decrease_to(&next);
-            let small = options.relative_tolerance.max(f64::EPSILON) * cost.total();
-            is_down = decrease > 0.0;
-            if is_down {
-                std::mem::swap(&mut current, &mut trial);
-                (model, cost) = (moved, next);
-                damping.accept(decrease / predicted);
-            }
-            if predicted <= small.max(NEGLIGIBLE_DECREASE) {
-                break;
-            }
+    options.descent().run(|lambda| {
+        system.linearize(&model, &current, loss, lambda);
+        let border = Border::linearize(&system, &model, &current, loss, lambda);
+        let (moved, predicted) = border.solve_step(&mut system, &model, &current, &mut trial)?;
+        let (last, next) = (cost, system.cost(&moved, &trial, loss).plus(moved.prior_cost()));
+        let decrease = last.decrease_to(&next);
+        if decrease > 0.0 {
+            std::mem::swap(&mut current, &mut trial);
+            (model, cost) = (moved, next);
         }
-        if !is_down && !damping.raise() {
-            break;
-        }
-    }
+        Some(Attempt { cost: last.total(), decrease, predicted })
+    });
     system.linearize(&model, &current, loss, LEAST_DAMPING);
     let border = Border::linearize(&system, &model, &current, loss, LEAST_DAMPING);
     let normal = border.normal_matrix(&mut system)?;

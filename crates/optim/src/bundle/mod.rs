@@ -12,6 +12,7 @@ pub(crate) mod structure;
 
 use geometry::{SE3, StereoRig, Vec2, Vec3};
 
+use crate::descent::Descent;
 use crate::report::Report;
 use crate::robust::MAX_CHI_SQ;
 use model::{ObservationModel, Point};
@@ -65,6 +66,16 @@ pub struct BundleOptions {
 impl Default for BundleOptions {
     fn default() -> Self {
         Self { max_iterations: 10, huber: Some(1.0), relative_tolerance: 1e-6, initial_damping: 1e-4 }
+    }
+}
+
+impl BundleOptions {
+    pub(crate) fn descent(&self) -> Descent {
+        Descent {
+            max_iterations: self.max_iterations,
+            tolerance: self.relative_tolerance.max(f64::EPSILON),
+            initial_damping: self.initial_damping,
+        }
     }
 }
 

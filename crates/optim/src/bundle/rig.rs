@@ -4,7 +4,7 @@
 //! rho + phi x p, and with A = J^T W J of the projection J = d(u, v, u_right)/dp (3x3), B = [p]x A and rotation R:
 //! camera block [A, .; B, B [p]x^T], camera-point block [A; B] R, point block R^T A R.
 
-use geometry::{SE3, StereoRig, Vec6};
+use geometry::{Pinhole, SE3, StereoRig, Vec6};
 
 use super::model::{Linearization, ObservationModel, Point};
 use crate::robust::{CHI2_MONO, CHI2_STEREO, Loss, MAX_CHI_SQ};
@@ -97,10 +97,7 @@ impl RigObservation {
 /// The intrinsics shared by all cameras of a problem.
 #[derive(Clone, Copy, Debug)]
 pub struct RigModel {
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
+    camera: Pinhole,
     bf: f64,
     /// delta^2 of Huber's loss as a part of the 95 % limit.
     huber: f64,
@@ -117,8 +114,7 @@ struct Residual {
 impl RigModel {
     /// The model of a rig.
     pub fn new(rig: &StereoRig) -> Self {
-        let c = &rig.camera;
-        Self { fx: c.fx, fy: c.fy, cx: c.cx, cy: c.cy, bf: rig.bf(), huber: 1.0 }
+        Self { camera: rig.camera, bf: rig.bf(), huber: 1.0 }
     }
 
     /// The model with another delta^2 of Huber's loss, as a part of the 95 % limit.
@@ -134,8 +130,9 @@ impl RigModel {
             return None;
         }
         let inv_z = 1.0 / p[2];
-        let u = self.fx * p[0] * inv_z + self.cx;
-        let v = self.fy * p[1] * inv_z + self.cy;
+        let Pinhole { fx, fy, cx, cy } = self.camera;
+        let u = fx * p[0] * inv_z + cx;
+        let v = fy * p[1] * inv_z + cy;
         let r = [u - o.u, v - o.v, u - self.bf * inv_z - o.right_u];
         let chi_sq = o.inv_sigma_sq * (r[0] * r[0] + r[1] * r[1]) + o.right_inv_sigma_sq * (r[2] * r[2]);
         (chi_sq <= MAX_CHI_SQ).then_some(Residual { p, inv_z, r, chi_sq })
@@ -178,7 +175,7 @@ impl ObservationModel<6> for RigModel {
         let (w, w_right) = (robust * o.inv_sigma_sq, robust * o.right_inv_sigma_sq);
 
         // Rows of J: (a, 0, b), (0, c, d), (a, 0, e).
-        let (a, c) = (self.fx * inv_z, self.fy * inv_z);
+        let (a, c) = (self.camera.fx * inv_z, self.camera.fy * inv_z);
         let (b, d) = (-a * p[0] * inv_z, -c * p[1] * inv_z);
         let e = b + self.bf * inv_z * inv_z;
         let a02 = a * (w * b + w_right * e);

@@ -110,7 +110,21 @@ impl<O: Copy, const C: usize> System<O, C> {
             return None;
         }
         self.matrix.solve(&mut self.step);
-        let mut predicted = 0.0;
+        Some(self.take_step(model, from, to, 0.0))
+    }
+
+    /// Writes the estimate after `step` to `to`; returns `predicted` with the decrease that the quadratic model predicts of cameras and
+    /// points.
+    fn take_step<M>(
+        &self,
+        model: &M,
+        from: &Estimate<M::Camera>,
+        to: &mut Estimate<M::Camera>,
+        mut predicted: f64,
+    ) -> f64
+    where
+        M: ObservationModel<C, Observation = O>,
+    {
         for ((step, damping), gradient) in self.step.iter().zip(&self.damping).zip(&self.gradient) {
             for i in 0..C {
                 predicted += 0.5 * step[i] * (damping[i] * step[i] - gradient[i]);
@@ -121,8 +135,7 @@ impl<O: Copy, const C: usize> System<O, C> {
                 to.cameras[camera] = model.moved(&from.cameras[camera], &self.step[position as usize]);
             }
         }
-        predicted += self.simd.run(BackSubstitute { system: self, from: &from.points, to: &mut to.points });
-        Some(predicted)
+        predicted + self.simd.run(BackSubstitute { system: self, from: &from.points, to: &mut to.points })
     }
 }
 

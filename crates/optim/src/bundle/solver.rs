@@ -4,13 +4,10 @@ use super::BundleOptions;
 use super::model::{ObservationModel, Point};
 use super::schur::{Estimate, System};
 use super::structure::Structure;
+use crate::descent::Attempt;
 use crate::report::StopReason;
-use crate::robust::{Loss, NEGLIGIBLE_DECREASE};
+use crate::robust::Loss;
 use simd::Simd;
-
-/// Damping is kept within these bounds; at the upper one no step is left to try.
-const MIN_DAMPING: f64 = 1e-12;
-const MAX_DAMPING: f64 = 1e12;
 
 /// One observation of a point by a camera.
 #[derive(Clone, Copy, Debug)]
@@ -93,35 +90,20 @@ where
     let mut trial = current.clone();
     let initial_cost = system.cost(model, &current, loss);
     let mut cost = initial_cost;
-    let mut damping = Damping::new(options.initial_damping);
-    let mut iterations = 0;
-    let stop = loop {
-        if graph.edges.is_empty() {
-            break StopReason::NoData;
-        }
-        if iterations >= options.max_iterations {
-            break StopReason::IterationLimit;
-        }
-        iterations += 1;
-        system.linearize(model, &current, loss, damping.lambda);
-        let mut decrease = f64::NAN;
-        if let Some(predicted) = system.solve_step(model, &current, &mut trial) {
-            let trial_cost = system.cost(model, &trial, loss);
-            decrease = cost.decrease_to(&trial_cost);
-            let small = options.relative_tolerance.max(f64::EPSILON) * cost.defined;
-            let is_last = predicted <= small.max(NEGLIGIBLE_DECREASE);
+    let (iterations, stop) = if graph.edges.is_empty() {
+        (0, StopReason::NoData)
+    } else {
+        options.descent().run(|lambda| {
+            system.linearize(model, &current, loss, lambda);
+            let predicted = system.solve_step(model, &current, &mut trial)?;
+            let (last, next) = (cost, system.cost(model, &trial, loss));
+            let decrease = last.decrease_to(&next);
             if decrease > 0.0 {
                 std::mem::swap(&mut current, &mut trial);
-                cost = trial_cost;
-                damping.accept(decrease / predicted);
+                cost = next;
             }
-            if is_last {
-                break StopReason::Converged;
-            }
-        }
-        if !(decrease > 0.0) && !damping.raise() {
-            break StopReason::NoDescent;
-        }
+            Some(Attempt { cost: last.defined, decrease, predicted })
+        })
     };
     Minimum {
         cameras: current.cameras,
@@ -130,31 +112,5 @@ where
         final_cost: cost.total(),
         iterations,
         stop,
-    }
-}
-
-/// Nielsen's rule.
-pub(crate) struct Damping {
-    pub(crate) lambda: f64,
-    growth: f64,
-}
-
-impl Damping {
-    /// Starts at `lambda`.
-    pub(crate) fn new(lambda: f64) -> Self {
-        Self { lambda, growth: 2.0 }
-    }
-
-    /// Lowers the damping by how well the model has predicted the decrease.
-    pub(crate) fn accept(&mut self, gain: f64) {
-        self.lambda = (self.lambda * (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0)).max(MIN_DAMPING);
-        self.growth = 2.0;
-    }
-
-    /// Raises it after a rejected step; `false` at the upper bound.
-    pub(crate) fn raise(&mut self) -> bool {
-        self.lambda *= self.growth;
-        self.growth *= 2.0;
-        self.lambda < MAX_DAMPING
     }
 }

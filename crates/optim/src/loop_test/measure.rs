@@ -3,34 +3,36 @@
 use geometry::{Mat3, SE3, SO3, Vec3};
 
 use super::cycle::{Way, lightest_way};
-use super::{CycleEdge, CycleEdgeKind, Inconsistency, LoopNumbers, LoopTestOptions};
+use super::{CHI2_CLOSURE, CycleEdge, CycleEdgeKind, Inconsistency, LoopNumbers};
 use crate::convex::{TranslationEdge, TranslationProblem, fit_translations};
 use crate::pose_graph::{PoseGraphEdge, PoseGraphOptions, PoseGraphProblem, refine_pose_graph};
+use crate::robust::CHI2_STEREO;
 
 /// Fills in the numbers; `Err` names the first gate that the candidate fails.
 pub(super) fn measure(
     nodes: &[SE3],
     edges: &[CycleEdge],
-    options: &LoopTestOptions,
     numbers: &mut LoopNumbers,
 ) -> Result<(), Inconsistency> {
     let candidate = check(nodes, edges)?;
     let ends: Vec<(u32, u32)> = edges.iter().map(|e| (e.a, e.b)).collect();
     let variances: Vec<f64> = edges.iter().map(|e| e.sigma_rad * e.sigma_rad).collect();
     let way = lightest_way(nodes.len(), &ends, &variances, candidate).ok_or(Inconsistency::NoCycle)?;
-    gate_rotation(edges, candidate, &way, options, numbers)?;
+    gate_rotation(edges, candidate, &way, numbers)?;
 
-    let averaged = average_rotations(nodes, edges, candidate, options);
+    // Where the losses turn from quadratic to linear, in sigma.
+    let huber = CHI2_STEREO.sqrt();
+    let averaged = average_rotations(nodes, edges, candidate, huber);
     let problem = TranslationProblem {
         n_nodes: nodes.len(),
         fixed: edges[candidate].a,
         edges: translations(nodes, edges, candidate, &way, &averaged.rotations),
-        huber: options.huber,
+        huber,
     };
-    let closed = gate_translation(&problem, &ends, candidate, options, numbers);
+    let closed = gate_translation(&problem, &ends, candidate, numbers);
     let fit = fit_translations(&problem).map_err(Inconsistency::Convex)?;
     let residuals: Vec<f64> = fit.residuals.iter().zip(&averaged.residuals).map(|(t, r)| t.max(*r)).collect();
-    let whole = gate_residuals(edges, &residuals, options, numbers);
+    let whole = gate_residuals(edges, &residuals, numbers);
     closed.and(whole)
 }
 
@@ -56,7 +58,6 @@ fn gate_rotation(
     edges: &[CycleEdge],
     candidate: usize,
     way: &Way,
-    options: &LoopTestOptions,
     numbers: &mut LoopNumbers,
 ) -> Result<(), Inconsistency> {
     let loop_edge = &edges[candidate];
@@ -74,7 +75,7 @@ fn gate_rotation(
     numbers.rotation_closure_deg = closure.to_degrees();
     numbers.rotation_sigma_deg = sigma.to_degrees();
     let sigmas = closure / sigma;
-    if sigmas * sigmas <= options.max_rotation_chi_sq {
+    if sigmas * sigmas <= CHI2_CLOSURE {
         return Ok(());
     }
     Err(Inconsistency::Rotation { sigmas })
@@ -88,12 +89,7 @@ struct Averaged {
 }
 
 /// Rotations that fit the measured ones best, from the current estimates on.
-fn average_rotations(
-    nodes: &[SE3],
-    edges: &[CycleEdge],
-    candidate: usize,
-    options: &LoopTestOptions,
-) -> Averaged {
+fn average_rotations(nodes: &[SE3], edges: &[CycleEdge], candidate: usize, huber: f64) -> Averaged {
     let mut problem = PoseGraphProblem {
         poses: nodes.iter().map(|n| n.rotation).collect(),
         fixed: vec![false; nodes.len()],
@@ -106,7 +102,7 @@ fn average_rotations(
         b_from_a: e.b_from_a.rotation,
         information: Mat3::from_diagonal_element(1.0 / (e.sigma_rad * e.sigma_rad)),
     }));
-    let options = PoseGraphOptions { huber: Some(options.huber), ..Default::default() };
+    let options = PoseGraphOptions { huber: Some(huber), ..Default::default() };
     let solution = refine_pose_graph(&problem, &options);
     Averaged { rotations: solution.poses, residuals: solution.chi_sq.iter().map(|c| c.sqrt()).collect() }
 }
@@ -146,7 +142,6 @@ fn gate_translation(
     problem: &TranslationProblem,
     ends: &[(u32, u32)],
     candidate: usize,
-    options: &LoopTestOptions,
     numbers: &mut LoopNumbers,
 ) -> Result<(), Inconsistency> {
     let variances: Vec<f64> = problem.edges.iter().map(|e| e.sigma_m * e.sigma_m).collect();
@@ -159,7 +154,7 @@ fn gate_translation(
     numbers.translation_closure_m = closure.norm();
     numbers.translation_sigma_m = (way.weight + variances[candidate]).sqrt();
     let sigmas = numbers.translation_closure_m / numbers.translation_sigma_m;
-    if sigmas * sigmas <= options.max_translation_chi_sq {
+    if sigmas * sigmas <= CHI2_CLOSURE {
         return Ok(());
     }
     Err(Inconsistency::Translation { sigmas })
@@ -168,7 +163,6 @@ fn gate_translation(
 fn gate_residuals(
     edges: &[CycleEdge],
     residuals: &[f64],
-    options: &LoopTestOptions,
     numbers: &mut LoopNumbers,
 ) -> Result<(), Inconsistency> {
     let mut worst = (0, 0.0);
@@ -185,7 +179,7 @@ fn gate_residuals(
         }
     }
     let (edge, sigmas) = worst;
-    if sigmas <= options.max_residual {
+    if sigmas <= CHI2_CLOSURE.sqrt() {
         return Ok(());
     }
     Err(Inconsistency::Residual { edge, kind: edges[edge].kind, sigmas })

@@ -13,7 +13,6 @@ use geometry::SE3;
 pub use drift::DriftModel;
 
 use crate::convex::ConvexError;
-use crate::robust::CHI2_STEREO;
 
 /// Where an edge comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,32 +43,9 @@ pub struct CycleEdge {
     pub kind: CycleEdgeKind,
 }
 
-/// Gates of [`test_loop`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LoopTestOptions {
-    /// Largest squared rotation closure of the cycle over its variance (chi-square, 3 degrees of freedom).
-    pub max_rotation_chi_sq: f64,
-    /// The same for the translation closure.
-    pub max_translation_chi_sq: f64,
-    /// Largest residual of a single edge after the fit, in sigma.
-    pub max_residual: f64,
-    /// Where the loss of the fit turns from quadratic to linear, in sigma.
-    pub huber: f64,
-}
-
-/// Chi-square, 3 degrees of freedom, 99.9 %.
-const CHI2_CLOSURE: f64 = 16.266;
-
-impl Default for LoopTestOptions {
-    fn default() -> Self {
-        Self {
-            max_rotation_chi_sq: CHI2_CLOSURE,
-            max_translation_chi_sq: CHI2_CLOSURE,
-            max_residual: CHI2_CLOSURE.sqrt(),
-            huber: CHI2_STEREO.sqrt(),
-        }
-    }
-}
+/// The gate of [`test_loop`]: the largest square over its variance of a closure in rotation, one in translation, and the residual of
+/// a single edge after the fit (chi-square, 3 degrees of freedom, 99.9 %).
+pub const CHI2_CLOSURE: f64 = 16.266;
 
 /// What [`test_loop`] measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -147,9 +123,9 @@ pub enum LoopVerdict {
 /// The nodes must be connected. Errors of rotation move positions by their lever arms: spread over a cycle that closes, the
 /// rotation of one edge moves the closure by its lever arm about the centroid of the cycle, so `sigma_rad` times that arm is
 /// added to the edge's `sigma_m` (squares added).
-pub fn test_loop(nodes: &[SE3], edges: &[CycleEdge], options: &LoopTestOptions) -> LoopVerdict {
+pub fn test_loop(nodes: &[SE3], edges: &[CycleEdge]) -> LoopVerdict {
     let mut numbers = LoopNumbers::default();
-    match measure::measure(nodes, edges, options, &mut numbers) {
+    match measure::measure(nodes, edges, &mut numbers) {
         Ok(()) => LoopVerdict::Consistent(numbers),
         Err(reason) => LoopVerdict::Inconsistent { reason, numbers },
     }

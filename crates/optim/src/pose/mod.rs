@@ -9,9 +9,9 @@ mod normal;
 
 use geometry::{SE3, StereoRig, Vec2, Vec3, Vec6};
 
-use crate::bundle::solver::Damping;
+use crate::descent::{Attempt, Descent};
 use crate::report::{Report, StopReason};
-use crate::robust::{Loss, NEGLIGIBLE_DECREASE};
+use crate::robust::Loss;
 use normal::{Normal, Packs};
 use simd::Simd;
 
@@ -31,37 +31,29 @@ pub struct PoseObservation {
 /// Multiples of the chi-square limit by which the robust stages choose their observations, after a first stage with all: at
 /// 5 and 2 times the deviation of an inlier on the limit. Without them half of the problems with 60 % outliers end wrong.
 const GRADUATED_LIMITS: [f64; 2] = [25.0, 4.0];
+/// A stage with fewer observations is left out.
+const MIN_OBSERVATIONS: usize = 6;
+/// Limit on stages of plain least squares over the inliers; they end when the set of inliers stays the same.
+const MAX_PLAIN_STAGES: usize = 3;
+/// A robust stage ends once a step changes the cost by less than this part of it.
+const ROBUST_TOLERANCE: f64 = 1e-3;
+/// Levenberg-Marquardt damping of the first step, relative to the diagonal of the normal equations.
+const INITIAL_DAMPING: f64 = 1e-5;
 
 /// How to refine a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseOptions {
     /// Inliers have a squared error of at most this times [`crate::CHI2_MONO`] or [`crate::CHI2_STEREO`].
     pub limit_factor: f64,
-    /// A stage with fewer observations is left out.
-    pub min_observations: usize,
-    /// Limit on stages of plain least squares over the inliers; they end when the set of inliers stays the same.
-    pub max_plain_stages: usize,
     /// Limit on linear systems solved per stage.
     pub max_iterations: usize,
-    /// A robust stage ends once a step changes the cost by less than this part of it.
-    pub robust_tolerance: f64,
-    /// The same for plain stages.
+    /// A plain stage ends once a step changes the cost by less than this part of it.
     pub plain_tolerance: f64,
-    /// Levenberg-Marquardt damping of the first step, relative to the diagonal of the normal equations.
-    pub initial_damping: f64,
 }
 
 impl Default for PoseOptions {
     fn default() -> Self {
-        Self {
-            limit_factor: 1.0,
-            min_observations: 6,
-            max_plain_stages: 3,
-            max_iterations: 10,
-            robust_tolerance: 1e-3,
-            plain_tolerance: 1e-6,
-            initial_damping: 1e-5,
-        }
+        Self { limit_factor: 1.0, max_iterations: 10, plain_tolerance: 1e-6 }
     }
 }
 
@@ -97,7 +89,7 @@ pub(crate) fn refine_pose_with(
     options: &PoseOptions,
     simd: Simd,
 ) -> PoseSolution {
-    let mut descent = Descent {
+    let mut stages = Stages {
         packs: Packs::new(rig, observations, simd),
         active: Vec::new(),
         loss: Loss::Huber,
@@ -106,14 +98,14 @@ pub(crate) fn refine_pose_with(
         stop: StopReason::NoData,
     };
     for factor in [f64::INFINITY].into_iter().chain(GRADUATED_LIMITS) {
-        descent.stage(factor * options.limit_factor, Loss::Huber, options);
+        stages.stage(factor * options.limit_factor, Loss::Huber, options);
     }
-    for _ in 0..options.max_plain_stages {
-        if !descent.stage(options.limit_factor, Loss::Squared, options) {
+    for _ in 0..MAX_PLAIN_STAGES {
+        if !stages.stage(options.limit_factor, Loss::Squared, options) {
             break;
         }
     }
-    let Descent { mut packs, mut cam_from_world, iterations, stop, .. } = descent;
+    let Stages { mut packs, mut cam_from_world, iterations, stop, .. } = stages;
     if iterations > 0 {
         cam_from_world = cam_from_world.normalized();
     }
@@ -130,7 +122,7 @@ pub(crate) fn refine_pose_with(
 }
 
 /// The state that goes from stage to stage.
-struct Descent {
+struct Stages {
     packs: Packs,
     /// Observations of the last stage.
     active: Vec<bool>,
@@ -141,12 +133,12 @@ struct Descent {
     stop: StopReason,
 }
 
-impl Descent {
+impl Stages {
     /// Minimizes over the observations within `limit_factor`; `false` where that would change nothing, or they are too few.
     fn stage(&mut self, limit_factor: f64, loss: Loss, options: &PoseOptions) -> bool {
         let active = self.packs.within(&self.cam_from_world, limit_factor);
         let n_active = active.iter().filter(|&&a| a).count();
-        if n_active < options.min_observations || (active == self.active && loss == self.loss) {
+        if n_active < MIN_OBSERVATIONS || (active == self.active && loss == self.loss) {
             return false;
         }
         self.packs.set_active(&active);
@@ -158,33 +150,24 @@ impl Descent {
     /// Levenberg-Marquardt over the active observations.
     fn minimize(&mut self, options: &PoseOptions) -> StopReason {
         let tolerance = match self.loss {
-            Loss::Huber => options.robust_tolerance,
+            Loss::Huber => ROBUST_TOLERANCE,
             Loss::Squared => options.plain_tolerance,
         };
+        let descent =
+            Descent { max_iterations: options.max_iterations, tolerance, initial_damping: INITIAL_DAMPING };
         let mut current = self.packs.normal(&self.cam_from_world, self.loss);
-        let mut damping = Damping::new(options.initial_damping);
-        for _ in 0..options.max_iterations {
-            self.iterations += 1;
-            let mut decrease = f64::NAN;
-            if let Some(step) = damped_step(&current, damping.lambda) {
-                let trial_pose = SE3::exp(&Vec6::from(step.vector)) * self.cam_from_world;
-                let trial = self.packs.normal(&trial_pose, self.loss);
-                decrease = current.cost - trial.cost;
-                let is_last = step.predicted <= (tolerance * current.cost).max(NEGLIGIBLE_DECREASE);
-                if decrease > 0.0 {
-                    self.cam_from_world = trial_pose;
-                    damping.accept(decrease / step.predicted);
-                    current = trial;
-                }
-                if is_last {
-                    return StopReason::Converged;
-                }
+        let (iterations, stop) = descent.run(|lambda| {
+            let step = damped_step(&current, lambda)?;
+            let trial_pose = SE3::exp(&Vec6::from(step.vector)) * self.cam_from_world;
+            let trial = self.packs.normal(&trial_pose, self.loss);
+            let (cost, decrease) = (current.cost, current.cost - trial.cost);
+            if decrease > 0.0 {
+                (self.cam_from_world, current) = (trial_pose, trial);
             }
-            if !(decrease > 0.0) && !damping.raise() {
-                return StopReason::NoDescent;
-            }
-        }
-        StopReason::IterationLimit
+            Some(Attempt { cost, decrease, predicted: step.predicted })
+        });
+        self.iterations += iterations;
+        stop
     }
 }
 

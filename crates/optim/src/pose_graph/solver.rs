@@ -5,9 +5,8 @@ use nalgebra::{SMatrix, SVector};
 use super::edge::{EdgeLoss, Factor};
 use super::structure::{STAYS, Structure};
 use super::{PoseGraphOptions, PoseGraphProblem, PoseGraphSolution, PoseGroup};
-use crate::bundle::solver::Damping;
+use crate::descent::{Attempt, Descent};
 use crate::report::{Report, StopReason};
-use crate::robust::NEGLIGIBLE_DECREASE;
 
 /// The smallest diagonal that damping is relative to, so that directions without information are held.
 const MIN_DIAGONAL: f64 = 1e-6;
@@ -25,20 +24,20 @@ where
     let factors: Vec<Factor<G, D>> = prepared.iter().flatten().copied().collect();
     let loss = EdgeLoss::new(options.huber);
     let initial_cost = cost(&factors, &problem.poses, &loss);
-    let mut descent =
-        Descent { factors: &factors, poses: problem.poses.clone(), cost: initial_cost, loss, iterations: 0 };
+    let mut graph =
+        Graph { factors: &factors, poses: problem.poses.clone(), cost: initial_cost, loss, iterations: 0 };
     let stop = match Structure::new(problem.poses.len(), &problem.fixed, &factors) {
         Some(mut structure) if structure.n_free > 0 => {
-            let stop = descent.run(&mut structure, options);
-            if descent.cost < initial_cost {
-                descent.normalize(&structure);
+            let stop = graph.run(&mut structure, options);
+            if graph.cost < initial_cost {
+                graph.normalize(&structure);
             }
             stop
         }
         Some(_) => StopReason::NoData,
         None => StopReason::NoDescent,
     };
-    let Descent { poses, cost: final_cost, iterations, .. } = descent;
+    let Graph { poses, cost: final_cost, iterations, .. } = graph;
     let chi_sq: Vec<f64> =
         prepared.iter().map(|f| f.as_ref().map_or(f64::NAN, |f| f.chi_sq(&poses))).collect();
     let n_inliers = chi_sq.iter().filter(|&&c| c <= G::CHI_SQ_LIMIT).count();
@@ -57,7 +56,7 @@ where
     0.5 * factors.iter().map(|factor| loss.rho(factor.chi_sq(poses))).sum::<f64>()
 }
 
-struct Descent<'a, G, const D: usize> {
+struct Graph<'a, G, const D: usize> {
     factors: &'a [Factor<G, D>],
     poses: Vec<G>,
     cost: f64,
@@ -65,43 +64,37 @@ struct Descent<'a, G, const D: usize> {
     iterations: usize,
 }
 
-impl<G, const D: usize> Descent<'_, G, D>
+impl<G, const D: usize> Graph<'_, G, D>
 where
     G: PoseGroup<Tangent = SVector<f64, D>, Matrix = SMatrix<f64, D, D>>,
 {
     fn run(&mut self, structure: &mut Structure<D>, options: &PoseGraphOptions) -> StopReason {
-        let mut damping = Damping::new(options.initial_damping);
+        let descent = Descent {
+            max_iterations: options.max_iterations,
+            tolerance: options.relative_tolerance.max(f64::EPSILON),
+            initial_damping: options.initial_damping,
+        };
         let mut gradient = vec![SVector::zeros(); structure.n_free];
         let mut is_linearized = false;
         let mut diagonal = Vec::new();
-        while self.iterations < options.max_iterations {
-            self.iterations += 1;
+        let (iterations, stop) = descent.run(|lambda| {
             if !is_linearized {
                 self.linearize(structure, &mut gradient);
                 diagonal = structure.matrix.diagonal_values();
                 is_linearized = true;
             }
-            let mut decrease = f64::NAN;
-            if let Some(step) = damped_step(structure, &gradient, &diagonal, damping.lambda) {
-                let trial = self.moved(structure, &step.vector);
-                let trial_cost = cost(self.factors, &trial, &self.loss);
-                decrease = self.cost - trial_cost;
-                let small = options.relative_tolerance.max(f64::EPSILON) * self.cost;
-                let is_last = step.predicted <= small.max(NEGLIGIBLE_DECREASE);
-                if decrease > 0.0 {
-                    (self.poses, self.cost) = (trial, trial_cost);
-                    damping.accept(decrease / step.predicted);
-                    is_linearized = false;
-                }
-                if is_last {
-                    return StopReason::Converged;
-                }
+            let step = damped_step(structure, &gradient, &diagonal, lambda)?;
+            let trial = self.moved(structure, &step.vector);
+            let trial_cost = cost(self.factors, &trial, &self.loss);
+            let (cost, decrease) = (self.cost, self.cost - trial_cost);
+            if decrease > 0.0 {
+                (self.poses, self.cost) = (trial, trial_cost);
+                is_linearized = false;
             }
-            if !(decrease > 0.0) && !damping.raise() {
-                return StopReason::NoDescent;
-            }
-        }
-        StopReason::IterationLimit
+            Some(Attempt { cost, decrease, predicted: step.predicted })
+        });
+        self.iterations = iterations;
+        stop
     }
 
     /// Fills the normal equations at the current poses.

@@ -7,7 +7,7 @@ use events::{
     Pose, StageTime, Text, Trust,
 };
 use features::{Frame, Keypoint};
-use geometry::{SE3, Vec2, Vec3};
+use geometry::SE3;
 use io::Preview;
 
 use crate::events::{FrameAnswer, FrameDetails};
@@ -111,15 +111,8 @@ fn quantized(share: f32) -> u8 {
 
 /// Where each feature is in the image: lens distortion, which frames are free of, put back.
 fn pixels(frame: &Frame) -> Vec<[f32; 2]> {
-    let rig = &frame.rig;
-    let camera = &rig.stereo.camera;
     let shown = |keypoint: &Keypoint| {
-        if rig.distortion.is_zero() {
-            return [keypoint.x, keypoint.y];
-        }
-        let ray = camera.unproject(&Vec2::new(f64::from(keypoint.x), f64::from(keypoint.y)));
-        let lens = rig.distortion.distort(&Vec2::new(ray.x, ray.y));
-        let pixel = camera.project(&Vec3::new(lens.x, lens.y, 1.0));
+        let pixel = frame.rig.distort(&keypoint.pixel());
         [pixel.x as f32, pixel.y as f32]
     };
     frame.keypoints.iter().map(shown).collect()

@@ -11,7 +11,7 @@ use dsslam_runtime::{FrameFeed, FrameInfo, Schedule, Setup, Unusable};
 use features::{ExtractorConfig, Rig};
 use geometry::{Distortion, GrayImage, Pinhole, Sensor, StereoRig};
 use io::{ImageError, LoadedFrame};
-use slam::Params;
+use slam::{CameraParams, Params};
 
 pub(crate) const WIDTH: usize = 320;
 pub(crate) const HEIGHT: usize = 200;
@@ -79,6 +79,6 @@ pub(crate) fn setup() -> Setup {
     Setup {
         extractor: ExtractorConfig { keep: 500, ..ExtractorConfig::default() },
         schedule: Schedule::Sequential,
-        ..Setup::new(Sensor::Stereo, Arc::new(rig), Params::stereo(40.0, 10.0))
+        ..Setup::new(Sensor::Stereo, Arc::new(rig), Params::of(CameraParams::stereo(40.0, 10.0)))
     }
 }

@@ -2,7 +2,7 @@
 
 use geometry::SE3;
 use map::{KeyframeId, Map};
-use optim::loop_test::{CycleEdge, CycleEdgeKind, DriftModel, LoopTestOptions, LoopVerdict, test_loop};
+use optim::loop_test::{CycleEdge, CycleEdgeKind, DriftModel, LoopVerdict, test_loop};
 
 use super::essential_graph::EssentialGraph;
 use super::outcome::NoLoop;
@@ -47,7 +47,7 @@ pub(super) fn test(
         ..candidate(e.a, e.b, graph.b_from_a(e), params.camera.unit)
     }));
     edges.push(candidate(there, here, *here_from_there, params.camera.unit));
-    match test_loop(&graph.cam_from_world, &edges, &LoopTestOptions::default()) {
+    match test_loop(&graph.cam_from_world, &edges) {
         LoopVerdict::Consistent(_) => Ok(()),
         LoopVerdict::Inconsistent { reason, numbers } => Err(NoLoop::Inconsistent { reason, numbers }),
     }

@@ -16,12 +16,8 @@ impl Mapper {
         }
         let Some(local) = self.local_problem(keyframe) else { return MappingReport::default() };
         let (mapping, huber) = (&self.params.mapping, self.params.camera.huber);
-        let robust = BundleOptions {
-            max_iterations: mapping.local_ba_first_iterations,
-            huber: Some(huber),
-            ..Default::default()
-        };
-        let first = refine_bundle(&local.problem, &robust);
+        let options = |max_iterations, huber| BundleOptions { max_iterations, huber, ..Default::default() };
+        let first = refine_bundle(&local.problem, &options(mapping.local_ba_first_iterations, Some(huber)));
         let agreeing = local.problem.observations.iter().zip(&first.inliers).filter(|(_, agrees)| **agrees);
         let inliers = BundleProblem {
             rig: local.problem.rig,
@@ -30,11 +26,7 @@ impl Mapper {
             points: first.points.clone(),
             observations: agreeing.map(|(observation, _)| *observation).collect(),
         };
-        let last = BundleOptions {
-            max_iterations: mapping.local_ba_second_iterations,
-            huber: (huber < 1.0).then_some(huber),
-            ..Default::default()
-        };
+        let last = options(mapping.local_ba_second_iterations, (huber < 1.0).then_some(huber));
         let second = refine_bundle(&inliers, &last);
         self.write_back(&local, &second)
     }

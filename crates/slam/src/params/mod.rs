@@ -33,21 +33,6 @@ pub struct Params {
 }
 
 impl Params {
-    /// For rectified stereo; `close_depth_m` is usually 35 to 40 baselines.
-    pub fn stereo(close_depth_m: f64, frame_rate_hz: f64) -> Self {
-        Self::of(CameraParams::stereo(close_depth_m, frame_rate_hz))
-    }
-
-    /// For RGB-D.
-    pub fn rgbd(close_depth_m: f64, frame_rate_hz: f64) -> Self {
-        Self::of(CameraParams::rgbd(close_depth_m, frame_rate_hz))
-    }
-
-    /// For one camera without depth.
-    pub fn mono(frame_rate_hz: f64) -> Self {
-        Self::of(CameraParams::mono(frame_rate_hz))
-    }
-
     /// The defaults with this camera.
     pub fn of(camera: CameraParams) -> Self {
         Self {

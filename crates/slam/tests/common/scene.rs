@@ -9,7 +9,7 @@ use map::{Batch, KeyframeId, Map, NewKeyframe, NewPoint, Observation, Parent, Po
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::{Mapper, Params, World};
+use crate::{CameraParams, Mapper, Params, World};
 
 /// Focal length, pixels.
 pub(crate) const FOCAL_PX: f64 = 500.0;
@@ -181,7 +181,7 @@ pub(crate) fn add_under(
 
 /// Stereo parameters: close is nearer than 20 m, ten frames a second.
 pub(crate) fn params() -> Params {
-    Params::stereo(20.0, 10.0)
+    Params::of(CameraParams::stereo(20.0, 10.0))
 }
 
 /// A mapper that continues with a map, without a vocabulary.

@@ -4,6 +4,7 @@ use geometry::{SO3, Vec3};
 use map::PointId;
 
 use super::*;
+use crate::CameraParams;
 use crate::scene::{Scene, add_under, at, chain, gap, on_circle, params};
 
 const N: u32 = 16;
@@ -59,7 +60,7 @@ fn a_rigid_loop_spreads_the_drift_over_the_round() {
 fn one_camera_takes_back_the_drift_of_its_scale() {
     let poses = drifted(&SE3::identity(), 1.02);
     let map = chain(&poses, 16);
-    let mut mono = crate::Params::mono(10.0);
+    let mut mono = crate::Params::of(CameraParams::mono(10.0));
     mono.camera.unit = 1.0;
     let scale = 1.02_f64.powi(15);
     let before = (poses[15].center() - truth(15).center()).norm();

@@ -3,6 +3,7 @@
 use geometry::Vec3;
 
 use super::*;
+use crate::CameraParams;
 use crate::scene::{Scene, Shot, add, at, mapper, params, shot};
 
 /// Keyframes 0 and 1 show all landmarks; 2, 3 and 4 the first `n_shared` only. All but 1 see them at `octave`.
@@ -44,9 +45,9 @@ fn only_close_points_count() {
     landmarks.extend(near(20).iter().map(|p| Vec3::new(p.x, p.y, 25.0)));
     let world = world(landmarks, 20, 2);
     assert!(is_redundant(&world.world.map, KeyframeId(1), &params()));
-    let far = crate::Params::stereo(30.0, 10.0);
+    let far = crate::Params::of(CameraParams::stereo(30.0, 10.0));
     assert!(!is_redundant(&world.world.map, KeyframeId(1), &far));
-    let mono = crate::Params::mono(10.0);
+    let mono = crate::Params::of(CameraParams::mono(10.0));
     assert!(!is_redundant(&world.world.map, KeyframeId(1), &mono), "one camera counts all points");
 }
 

@@ -4,8 +4,8 @@ use geometry::SE3;
 use map::{PointCount, PointId};
 
 use super::*;
-use crate::Params;
 use crate::scene::{Scene, Shot, add, at, mapper, params, shot};
+use crate::{CameraParams, Params};
 
 /// A first keyframe with four points and `n` further keyframes of which the first `observers[i]` observe point `i`.
 fn world(observers: [usize; 4], n: usize, stereo: bool, params: &Params) -> Mapper {
@@ -58,7 +58,7 @@ fn an_observation_without_depth_counts_half() {
     // Two observations of one camera count 2, three 3, four 4; with depth 4 are needed, without 3.
     let mut mapper = world([1, 2, 1, 1], 2, false, &params());
     assert_eq!(mapper.cull_points(KeyframeId(2)), 4);
-    let mono = Params::mono(10.0);
+    let mono = Params::of(CameraParams::mono(10.0));
     let mut mapper = world([1, 2, 1, 1], 2, false, &mono);
     assert_eq!(mapper.cull_points(KeyframeId(2)), 3);
     assert_eq!(left(&mapper), vec![1, 4]);

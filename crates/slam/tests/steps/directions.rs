@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
+use crate::CameraParams;
 use crate::scene::{Scene, Shot, shot};
 use geometry::SE3;
 
@@ -16,7 +17,7 @@ fn frame(index: u32, pose: &SE3, change: impl Fn(&mut Shot)) -> Arc<Frame> {
 fn seen(pose: &SE3, radius_px: f32, change: impl Fn(&mut Shot)) -> SeenRotation {
     let predicted = SO3::exp(&Vec3::new(0.0, 0.02, 0.0)) * pose.rotation;
     let (then, now) = (frame(0, &SE3::identity(), |_| {}), frame(1, pose, change));
-    rotation_between(&then, &now, &predicted, radius_px, &Params::mono(10.0)).unwrap()
+    rotation_between(&then, &now, &predicted, radius_px, &Params::of(CameraParams::mono(10.0))).unwrap()
 }
 
 #[test]

@@ -3,10 +3,11 @@
 use geometry::SO3;
 
 use super::*;
+use crate::CameraParams;
 use crate::scene::{Scene, Shot, at, gap, shot};
 
 fn mono() -> Params {
-    Params::mono(10.0)
+    Params::of(CameraParams::mono(10.0))
 }
 
 /// A view of the first `n` landmarks of a wall with depth, without a right camera.

@@ -3,6 +3,7 @@
 use map::RelativePose;
 
 use super::*;
+use crate::CameraParams;
 use crate::scene::{Scene, Shot, at, gap, mapper, params, shot};
 use crate::tracker::KeyframeReason;
 
@@ -112,7 +113,7 @@ fn a_monocular_start_gives_two_keyframes_that_share_its_points() {
     let start = Placement::NewSubmap { cam_from_world: second };
     let mut request = request(frame, start, Vec::new());
     request.pair = Some(Arc::new(pair));
-    let mut mapper = mapper(map::Map::new(), &crate::Params::mono(10.0));
+    let mut mapper = mapper(map::Map::new(), &crate::Params::of(CameraParams::mono(10.0)));
     assert_eq!(mapper.insert_keyframe(&request), Some(KeyframeId(1)));
     let map = &mapper.world.map;
     assert_eq!((map.n_keyframes(), map.n_points(), mapper.young.len()), (2, 20, 20));

@@ -3,8 +3,8 @@
 use geometry::{SE3, Vec3};
 
 use super::*;
-use crate::Params;
 use crate::scene::{BASELINE_M, Scene, Shot, add, at, mapper, params, shot};
+use crate::{CameraParams, Params};
 
 /// Landmarks that both keyframes have as points; the others wait for triangulation.
 const SHARED: usize = 5;
@@ -39,7 +39,7 @@ fn triangulated(distance_m: f64, params: &Params, change: impl Fn(&mut Shot)) ->
 #[test]
 fn unmatched_features_become_points_where_the_landmarks_are() {
     let scene = Scene::wall(20);
-    for params in [params(), Params::mono(10.0)] {
+    for params in [params(), Params::of(CameraParams::mono(10.0))] {
         let mapper = triangulated(1.0, &params, |_| {});
         assert_eq!(mapper.young.len(), 15);
         for &id in &mapper.young {
@@ -61,7 +61,7 @@ fn keyframes_nearer_than_the_rig_s_baseline_tell_nothing() {
 #[test]
 fn one_camera_needs_a_hundredth_of_the_depth() {
     let scene = Scene::wall(20);
-    let mono = Params::mono(10.0);
+    let mono = Params::of(CameraParams::mono(10.0));
     let range = |distance_m: f64| {
         let mapper = mapper(two_views(&scene, distance_m, false, |_| {}), &mono);
         let [a, b] = [1, 0].map(|id| mapper.world.map.keyframe(KeyframeId(id)).unwrap().clone());
@@ -93,7 +93,7 @@ fn of_two_alike_features_on_the_ray_neither_is_taken() {
         scene.looks[19] = crate::scene::flipped(scene.looks[18], bits);
         // Both looks of the second view are 20 bits off, so that best and second-best can be compared.
         let map = two_views(&scene, 1.0, false, |s| s.flipped = 20);
-        let mut mapper = mapper(map, &Params::mono(10.0));
+        let mut mapper = mapper(map, &Params::of(CameraParams::mono(10.0)));
         mapper.triangulate(KeyframeId(1));
         mapper.world.map.keyframe(KeyframeId(0)).unwrap().point_at(18).is_none()
     };

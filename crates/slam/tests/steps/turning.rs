@@ -1,6 +1,7 @@
 //! What counts as a turn on the spot, and how far it is followed.
 
 use super::*;
+use crate::CameraParams;
 use crate::scene::{Scene, Shot, shot};
 
 fn scene() -> Scene {
@@ -30,7 +31,7 @@ fn begun() -> Turning {
 
 #[test]
 fn a_whole_turn_comes_back_to_where_it_began() {
-    let (mut turning, params) = (begun(), Params::mono(10.0));
+    let (mut turning, params) = (begun(), Params::of(CameraParams::mono(10.0)));
     for i in 1..=126 {
         let yaw = f64::from(i) * 0.05;
         turning.follow(&frame(i, yaw, &Vec3::zeros()), &params).unwrap_or_else(|| panic!("frame {i}"));
@@ -44,7 +45,7 @@ fn a_whole_turn_comes_back_to_where_it_began() {
 
 #[test]
 fn a_camera_that_moves_on_is_not_followed() {
-    let (mut turning, params) = (begun(), Params::mono(10.0));
+    let (mut turning, params) = (begun(), Params::of(CameraParams::mono(10.0)));
     assert!(turning.follow(&frame(1, 0.05, &Vec3::new(0.01, 0.0, 0.0)), &params).is_some());
     assert!(turning.follow(&frame(2, 0.1, &Vec3::new(0.0, 0.0, 4.0)), &params).is_none());
 }

@@ -4,6 +4,7 @@ use geometry::SO3;
 use map::Map;
 
 use super::*;
+use crate::CameraParams;
 use crate::scene::{Scene, Shot, add, at, described, gap, params, shot};
 
 /// True poses of the two visits' keyframes.
@@ -49,7 +50,7 @@ fn the_pose_in_the_earlier_world_is_found_and_every_point_matched() {
 #[test]
 fn one_camera_also_finds_the_scale() {
     let (_, world) = two_visits(80, &drift(), 1.25, |s| s.stereo = false);
-    let found = verified(&world, &Params::mono(10.0)).unwrap();
+    let found = verified(&world, &Params::of(CameraParams::mono(10.0))).unwrap();
     assert!((found.scale - 1.25).abs() < 0.01, "{}", found.scale);
     assert!(gap(&found.cam_from_world, &poses()[1]) < 5e-3);
 }

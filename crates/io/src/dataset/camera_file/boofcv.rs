@@ -33,7 +33,7 @@ fn camera(element: &Field<'_>) -> Result<FileCamera, DatasetError> {
         return Err(element.at("skew").wrong("0"));
     }
     let radial = element.at("radial");
-    let k = if radial.is_there() { radial.numbers("radial coefficients")? } else { Vec::new() };
+    let k = radial.if_there(|field| field.numbers("radial coefficients"))?.unwrap_or_default();
     if k.len() > 3 {
         return Err(radial.error(counted(k.len(), "radial coefficient"), "at most 3"));
     }

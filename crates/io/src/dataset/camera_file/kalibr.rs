@@ -54,25 +54,20 @@ fn camera(field: &Field<'_>) -> Result<FileCamera, DatasetError> {
     }
     let pinhole = part::pinhole(&field.at("intrinsics"), "4 numbers (fu, fv, pu, pv in pixels)")?;
     let model = lens::model(pinhole, &field.at("distortion_model"), &field.at("distortion_coeffs"))?;
-    let size = field.at("resolution").there().map(|field| part::size(&field)).transpose()?;
+    let size = field.at("resolution").if_there(part::size)?;
     Ok(FileCamera { model, size, body_from_cam: SE3::identity() })
 }
 
 /// Both cameras in the body, and the fields that tell; without an IMU the body is the left camera.
 fn places(left: &Field<'_>, right: &Field<'_>) -> Result<(Option<&'static str>, [SE3; 2]), DatasetError> {
-    let left_in_body = match place(left)? {
-        Some((_, place)) => place,
-        None => SE3::identity(),
-    };
-    let chained = right.at("T_cn_cnm1");
-    if chained.is_there() {
-        let right_from_left = part::rigid(&chained, part::POSE)?;
-        return Ok((
-            Some("T_cn_cnm1 (right from left)"),
-            [left_in_body, left_in_body * right_from_left.inverse()],
-        ));
+    let left_place = place(left)?;
+    let left_in_body = left_place.map_or(SE3::identity(), |(_, place)| place);
+    let chained = right.at("T_cn_cnm1").if_there(|field| part::rigid(field, part::POSE))?;
+    if let Some(right_from_left) = chained {
+        let right_in_body = left_in_body * right_from_left.inverse();
+        return Ok((Some("T_cn_cnm1 (right from left)"), [left_in_body, right_in_body]));
     }
-    match (right.is_there(), place(left)?, place(right)?) {
+    match (right.is_there(), left_place, place(right)?) {
         (true, Some((spelling, left)), Some((_, right))) => Ok((Some(spelling), [left, right])),
         (true, ..) => Err(right.at("T_cn_cnm1").wrong(part::POSE)),
         (false, ..) => Ok((None, [left_in_body; 2])),
@@ -81,13 +76,10 @@ fn places(left: &Field<'_>, right: &Field<'_>) -> Result<(Option<&'static str>, 
 
 /// A camera in the IMU's frame, with the field that tells.
 fn place(camera: &Field<'_>) -> Result<Option<(&'static str, SE3)>, DatasetError> {
-    let inverse = camera.at("T_imu_cam");
-    if inverse.is_there() {
-        return Ok(Some(("T_imu_cam (IMU from camera)", part::rigid(&inverse, part::POSE)?)));
+    let rigid = |field: &Field<'_>| part::rigid(field, part::POSE);
+    if let Some(place) = camera.at("T_imu_cam").if_there(rigid)? {
+        return Ok(Some(("T_imu_cam (IMU from camera)", place)));
     }
-    let field = camera.at("T_cam_imu");
-    if !field.is_there() {
-        return Ok(None);
-    }
-    Ok(Some(("T_cam_imu (camera from IMU)", part::rigid(&field, part::POSE)?.inverse())))
+    let inverse = camera.at("T_cam_imu").if_there(rigid)?;
+    Ok(inverse.map(|inverse| ("T_cam_imu (camera from IMU)", inverse.inverse())))
 }

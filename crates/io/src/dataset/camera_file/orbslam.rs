@@ -26,8 +26,8 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
     } else {
         let camera = camera(root, "Camera", size)?;
         let fx = camera.model.pinhole().fx;
-        let bf = root.any(&["Camera.bf", "bf"]).there();
-        let bf = bf.map(|field| field.positive("focal length times baseline, px m, above 0")).transpose()?;
+        let bf = root.any(&["Camera.bf", "bf"]);
+        let bf = bf.if_there(|field| field.positive("focal length times baseline, px m, above 0"))?;
         ("ORB-SLAM2 settings", vec![camera], bf.map(|bf| bf / fx))
     };
     Ok(CameraFile {
@@ -45,7 +45,6 @@ fn third(
     size: Option<crate::images::ImageSize>,
 ) -> Result<(Vec<FileCamera>, Option<f64>), DatasetError> {
     let mut cameras = vec![camera(root, "Camera1", size)?];
-    let baseline = root.at("Stereo.b").there();
     if root.at("Camera2.fx").is_there() {
         let mut right = camera(root, "Camera2", size)?;
         // x_c1 = T x_c2.
@@ -53,8 +52,8 @@ fn third(
         cameras.push(right);
         return Ok((cameras, None));
     }
-    let baseline_m = baseline.map(|field| field.positive("a baseline in meters, above 0")).transpose()?;
-    Ok((cameras, baseline_m))
+    let baseline = root.at("Stereo.b");
+    Ok((cameras, baseline.if_there(|field| field.positive("a baseline in meters, above 0"))?))
 }
 
 /// The camera whose fields begin with `name`.

@@ -36,11 +36,10 @@ pub(super) fn read(root: &Field<'_>) -> Result<CameraFile, DatasetError> {
         }
         None => {}
     }
-    let baseline = root.at("baseline_m");
     Ok(CameraFile {
         frame_rate_hz: part::rate(&root.at("fps"))?,
         depth_units_per_metre: part::depth_units(&root.at("depth_units_per_metre"))?,
-        baseline_m: baseline.there().map(|field| field.positive("meters, above 0")).transpose()?,
+        baseline_m: root.at("baseline_m").if_there(|field| field.positive("meters, above 0"))?,
         right_fields: ("cameras[1].resolution", "right_from_left"),
         ..CameraFile::new(root.path, "our YAML", cameras)
     })
@@ -50,7 +49,7 @@ fn read_camera(camera: &Field<'_>) -> Result<FileCamera, DatasetError> {
     check_keys(camera, &CAMERA_KEYS)?;
     let pinhole = part::pinhole(&camera.at("intrinsics"), "4 numbers (fx, fy, cx, cy in pixels)")?;
     let model = lens::model(pinhole, &camera.at("model"), &camera.at("distortion"))?;
-    let size = camera.at("resolution").there().map(|field| part::size(&field)).transpose()?;
+    let size = camera.at("resolution").if_there(part::size)?;
     Ok(FileCamera { model, size, body_from_cam: SE3::identity() })
 }
 

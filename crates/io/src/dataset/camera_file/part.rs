@@ -120,18 +120,12 @@ pub(super) fn or_zero<const N: usize>(fields: [Field<'_>; N]) -> Result<[f64; N]
 
 /// Images per second, if the field is there.
 pub(super) fn rate(field: &Field<'_>) -> Result<Option<f64>, DatasetError> {
-    if !field.is_there() {
-        return Ok(None);
-    }
-    field.positive("images per second, above 0").map(Some)
+    field.if_there(|field| field.positive("images per second, above 0"))
 }
 
 /// Value of a depth image at one meter, if the field is there. Programs that compute with meters write 1 or its inverse.
 pub(super) fn depth_units(field: &Field<'_>) -> Result<Option<f64>, DatasetError> {
-    if !field.is_there() {
-        return Ok(None);
-    }
-    field.positive("the value of a depth image at one meter, above 0").map(Some)
+    field.if_there(|field| field.positive("the value of a depth image at one meter, above 0"))
 }
 
 /// The right camera of a pair that OpenCV has rectified: x_rect = R x for each camera, and the right projection matrix, whose fourth

@@ -1,6 +1,6 @@
 //! VSLAM-LAB's `calibration.yaml`: a list of cameras with their names.
 
-use geometry::{Pinhole, SE3};
+use geometry::Pinhole;
 
 use super::lens::{self, Lens};
 use super::{CameraFile, DatasetError, FileCamera, part};
@@ -32,8 +32,7 @@ fn camera(camera: &Field<'_>) -> Result<FileCamera, DatasetError> {
     let name = camera.any(&["distortion_type", "distortion_model"]);
     let lens = lens::in_field(&name)?.unwrap_or(Lens::Pinhole);
     let model = lens::of(Pinhole { fx, fy, cx, cy }, lens, &camera.at("distortion_coefficients"))?;
-    let size = camera.at("image_dimension").there().map(|field| part::size(&field)).transpose()?;
-    let pose = camera.at("T_BS");
-    let body_from_cam = if pose.is_there() { part::rigid(&pose, part::POSE)? } else { SE3::identity() };
-    Ok(FileCamera { model, size, body_from_cam })
+    let size = camera.at("image_dimension").if_there(part::size)?;
+    let pose = camera.at("T_BS").if_there(|pose| part::rigid(pose, part::POSE))?;
+    Ok(FileCamera { model, size, body_from_cam: pose.unwrap_or_default() })
 }

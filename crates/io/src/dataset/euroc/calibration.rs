@@ -34,11 +34,8 @@ pub(super) fn read(
         return Ok((sensor, own(dir, [&left, &right], sensor, images, warnings)?));
     }
     // The places of the layout's cameras in the body, which the given file may not know.
-    let camera = |path: &Path| {
-        let file = read_calibration(path).ok()?;
-        file.raw(Sensor::Mono, images).ok()?.into_iter().next()
-    };
-    let own: Vec<RawCamera> = [&left, &right].into_iter().map_while(|path| camera(path)).collect();
+    let own = [&left, &right].into_iter().map_while(|path| camera(path, images).ok().flatten());
+    let own: Vec<RawCamera> = own.collect();
     let source = right.display().to_string();
     let pair = (own.len() == 2).then_some(Own { cameras: &own, source: &source });
     let replaced = given.replace((wanted, sensor), pair, images, dir, warnings)?;
@@ -72,16 +69,18 @@ fn own(
         ));
         return Ok(Cameras::default());
     }
-    let camera = |path: &Path| -> Result<Option<RawCamera>, DatasetError> {
-        Ok(read_calibration(path)?.raw(Sensor::Mono, images)?.into_iter().next())
-    };
-    match (camera(left)?, sensor) {
+    match (camera(left, images)?, sensor) {
         (Some(left_camera), Sensor::Stereo) => {
-            let Some(right_camera) = camera(right)? else { return Ok(Cameras::default()) };
+            let Some(right_camera) = camera(right, images)? else { return Ok(Cameras::default()) };
             let origin = Origin { left, right, size_field: "resolution", pose_field: "T_BS" };
             Cameras::of_pair(left_camera, right_camera, &origin)
         }
         (Some(left_camera), _) => Cameras::of_one(left_camera, left),
         (None, _) => Ok(Cameras::default()),
     }
+}
+
+/// The camera of a `sensor.yaml`.
+fn camera(path: &Path, images: Option<ImageSize>) -> Result<Option<RawCamera>, DatasetError> {
+    Ok(read_calibration(path)?.raw(Sensor::Mono, images)?.into_iter().next())
 }

@@ -19,6 +19,7 @@ use super::{
 };
 use crate::file::counted;
 use crate::images::{ImageSize, half_size, image_size};
+use crate::trajectory::TrajectoryFormat;
 
 use forms::Known;
 pub(super) use forms::{Tree, find};
@@ -50,14 +51,14 @@ pub(super) fn open(
     let (sensor, packing) = choose(&pictures, file, options.sensor, &mut warnings)?;
     let rate = file.and_then(|file| file.frame_rate_hz).or(known.and_then(|known| known.frame_rate_hz));
     let (times_ns, times) = times(dir, tree, rate, options.frame_rate_hz, &mut warnings)?;
-    let frames: Vec<FrameSource> = match (&tree.right, &tree.depth, sensor) {
-        (Some(right), _, Sensor::Stereo) => {
-            pair_frames(tree, right, sensor, &times_ns, options, &mut warnings)?
-        }
-        (_, Some(depth), Sensor::Rgbd) => {
-            pair_frames(tree, depth, sensor, &times_ns, options, &mut warnings)?
-        }
-        _ => {
+    let others = match sensor {
+        Sensor::Stereo => tree.right.as_ref(),
+        Sensor::Rgbd => tree.depth.as_ref(),
+        Sensor::Mono => None,
+    };
+    let frames: Vec<FrameSource> = match others {
+        Some(others) => pair_frames(tree, others, sensor, &times_ns, options, &mut warnings)?,
+        None => {
             let all = tree.left.iter().zip(&times_ns).enumerate();
             all.map(|(i, (path, &ns))| FrameSource { packing, ..FrameSource::of(i, ns, path.clone()) })
                 .collect()
@@ -77,12 +78,9 @@ pub(super) fn open(
             truth::of_files(&frames, &mut warnings)
         }
         _ => {
-            let usual: Vec<_> =
-                tree.form.truth.iter().map(|(name, format)| (dir.join(name), *format)).collect();
-            let format =
-                usual.first().map_or(crate::trajectory::TrajectoryFormat::Tum, |(_, format)| *format);
-            let paths: Vec<PathBuf> = usual.into_iter().map(|(path, _)| path).collect();
-            truth::read(options, &paths, format, &frames, &mut warnings)?
+            let usual: Vec<PathBuf> = tree.form.truth.iter().map(|(name, _)| dir.join(name)).collect();
+            let format = tree.form.truth.map_or(TrajectoryFormat::Tum, |(_, format)| format);
+            truth::read(options, &usual, format, &frames, &mut warnings)?
         }
     };
     Ok(Sequence {

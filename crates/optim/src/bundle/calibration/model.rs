@@ -1,5 +1,7 @@
 //! How a rig with errors of its calibration sees a point, with derivatives by pose, point and errors.
 
+use geometry::StereoRig;
+
 use super::super::model::{Linearization, ObservationModel, Point};
 use super::super::rig::{MIN_DEPTH_M, RigCamera, RigObservation};
 use super::super::schur::border::{Rows, SharedModel};
@@ -9,11 +11,7 @@ use crate::robust::{Loss, MAX_CHI_SQ};
 /// The rig with errors of its calibration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CalibratedRig {
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
-    baseline_m: f64,
+    rig: StereoRig,
     pub(super) errors: CalibrationVector,
     expected: CalibrationVector,
     information: CalibrationVector,
@@ -33,14 +31,8 @@ struct Seen {
 
 impl CalibratedRig {
     pub(super) fn new(problem: &CalibrationProblem) -> Self {
-        let rig = &problem.bundle.rig;
-        let c = &rig.camera;
         Self {
-            fx: c.fx,
-            fy: c.fy,
-            cx: c.cx,
-            cy: c.cy,
-            baseline_m: rig.baseline_m,
+            rig: problem.bundle.rig,
             errors: [0.0; N_CALIBRATION],
             expected: problem.expected,
             information: problem.sigma.map(|sigma| 1.0 / (sigma * sigma)),
@@ -55,7 +47,7 @@ impl CalibratedRig {
 
     fn focal(&self) -> (f64, f64) {
         let factor = self.errors[0].exp();
-        (self.fx * factor, self.fy * factor)
+        (self.rig.camera.fx * factor, self.rig.camera.fy * factor)
     }
 
     #[inline(always)]
@@ -68,13 +60,13 @@ impl CalibratedRig {
         let (fx, fy) = self.focal();
         let inv_z = 1.0 / p[2];
         let (x, y) = (p[0] * inv_z, p[1] * inv_z);
-        let right_x = x - self.baseline_m * inv_z;
+        let right_x = x - self.rig.baseline_m * inv_z;
         let radial = 1.0 + k1 * (x * x + y * y);
         let right_radial = 1.0 + k1 * (right_x * right_x + y * y);
         let r = o.residual([
-            fx * x * radial + self.cx + dcx,
-            fy * y * radial + self.cy + dcy,
-            fx * (right_x * right_radial + roll * y) + self.cx + dcx + offset,
+            fx * x * radial + self.rig.camera.cx + dcx,
+            fy * y * radial + self.rig.camera.cy + dcy,
+            fx * (right_x * right_radial + roll * y) + self.rig.camera.cx + dcx + offset,
         ]);
         let [w, _, w_right] = o.information();
         let chi_sq = w * (r[0] * r[0] + r[1] * r[1]) + w_right * (r[2] * r[2]);

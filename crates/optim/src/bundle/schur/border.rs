@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::super::model::{ObservationModel, Point};
 use super::super::structure::NONE;
-use super::{BackSubstitute, Estimate, System, damping_scale};
+use super::{Estimate, System, damping_scale};
 use crate::robust::Loss;
 
 /// Whitened residual of one observation with its derivatives, one row per coordinate, weighted with the loss.
@@ -212,11 +212,6 @@ impl<const C: usize, const S: usize> Border<C, S> {
         for i in 0..S {
             predicted += 0.5 * shared[i] * (self.damping[i] * shared[i] - self.gradient[i]);
         }
-        for ((step, damping), gradient) in system.step.iter().zip(&system.damping).zip(&system.gradient) {
-            for i in 0..C {
-                predicted += 0.5 * step[i] * (damping[i] * step[i] - gradient[i]);
-            }
-        }
         for (factor, z) in system.points.iter_mut().zip(&self.z) {
             for k in 0..3 {
                 for i in 0..S {
@@ -225,13 +220,6 @@ impl<const C: usize, const S: usize> Border<C, S> {
             }
         }
         let moved = model.shared_moved(&shared.into());
-        for (camera, &position) in system.structure.position.iter().enumerate() {
-            if position != NONE {
-                to.cameras[camera] = model.moved(&from.cameras[camera], &system.step[position as usize]);
-            }
-        }
-        let simd = system.simd;
-        predicted += simd.run(BackSubstitute { system, from: &from.points, to: &mut to.points });
-        Some((moved, predicted))
+        Some((moved, system.take_step(model, from, to, predicted)))
     }
 }
