@@ -39,7 +39,7 @@ pub(super) enum Look {
         bow: Arc<BowVector>,
         direct: DirectIndex,
     },
-    /// Learned descriptors, and their mean over the image, weighted by the activation (the paper's equation 3).
+    /// Learned descriptors, and their mean over the image, weighted by the activation.
     Dense { descriptors: Vec<DenseDescriptor>, mean: Box<DenseDescriptor> },
 }
 

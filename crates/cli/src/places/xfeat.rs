@@ -94,17 +94,19 @@ impl DenseNetwork {
 }
 
 impl DenseFeatures {
-    /// Mean of all descriptors of the image, weighted by `weight` at their pixels (the DSFeat paper's equation 3).
+    /// Mean of all descriptors of the image, weighted by `weight` at their pixels: the DSFeat paper's equation 3, but divided by the
+    /// sum of the weights. Undivided, the means of two images differ by how much of each is trusted.
     pub(super) fn weighted_mean(&self, weight: impl Fn(f32, f32) -> f32) -> DenseDescriptor {
-        let mut mean = [0.0; DENSE_CHANNELS];
-        let cells = self.map.columns * self.map.rows;
-        for cell in 0..cells {
+        let (mut mean, mut sum) = ([0.0; DENSE_CHANNELS], f32::MIN_POSITIVE);
+        for cell in 0..self.map.columns * self.map.rows {
             let at = |i: usize, scale: f32| ((i as f32 + 0.5) * CELL as f32) * scale - 0.5;
             let x = at(cell % self.map.columns, self.pixels_per_input.0);
             let y = at(cell / self.map.columns, self.pixels_per_input.1);
-            let share = weight(x, y) / cells as f32;
+            let share = weight(x, y);
+            sum += share;
             mean.iter_mut().zip(self.map.cell(cell)).for_each(|(m, d)| *m += share * d);
         }
+        mean.iter_mut().for_each(|m| *m /= sum);
         mean
     }
 }
@@ -245,6 +247,7 @@ mod tests {
         let map = DescriptorMap::new(&channels, 2, 1);
         let features = DenseFeatures { keypoints: Vec::new(), map, pixels_per_input: (1.0, 1.0) };
         let mean = features.weighted_mean(|x, _| if x < 8.0 { 1.0 } else { 0.5 });
-        assert_eq!((mean[0], mean[1], mean[2]), (0.5, 0.25, 0.0));
+        assert!((mean[0] - 2.0 / 3.0).abs() < 1e-6 && (mean[1] - 1.0 / 3.0).abs() < 1e-6 && mean[2] == 0.0);
+        assert_eq!(features.weighted_mean(|_, _| 0.0), [0.0; DENSE_CHANNELS]);
     }
 }
