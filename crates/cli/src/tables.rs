@@ -53,6 +53,10 @@ pub(crate) fn loops_csv(loops: &[LoopRecord]) -> String {
             }
             LoopResult::Rejected(reason) => ("rejected", ",,,".to_owned(), csv_field(reason)),
             LoopResult::Refused(reason) => ("refused", ",,,".to_owned(), csv_field(reason)),
+            LoopResult::TakenBack { by } => {
+                let reason = format!("the loop from frame {by} contradicts it");
+                ("taken back", ",,,".to_owned(), reason)
+            }
         };
         let (frame, matched) = (record.frame, record.matched_frame);
         text.push_str(&format!("{frame},{matched},{result},{numbers},{reason}\n"));

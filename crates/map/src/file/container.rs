@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use super::{MapFileError, MapFileInfo};
 
 /// The format version, which is written and read.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
 
 /// The first bytes of every map file; the line end shows up transfers as text.
 const MAGIC: [u8; 8] = *b"DSMAP\0\r\n";

@@ -205,7 +205,7 @@ fn a_newer_version_is_refused_as_such() {
     let mut bytes = encode(&small_map(), &info());
     for version in [FORMAT_VERSION + 1, u32::MAX, 0] {
         bytes[8..12].copy_from_slice(&version.to_le_bytes());
-        let message = format!("map file has format version {version}, this program reads version 2");
+        let message = format!("map file has format version {version}, this program reads version 3");
         expect_error(&sealed(bytes.clone()), &message);
         // The length is not looked at before the version.
         expect_error(&sealed([&bytes[..], &[0]].concat()), &message);

@@ -5,11 +5,13 @@
 //! depend on where the search began: there the cycle must close in translation, and no edge may be torn.
 
 mod cycle;
+mod doubts;
 mod drift;
 mod measure;
 
 use geometry::SE3;
 
+pub use doubts::{Doubts, MAX_LEFT, Witness};
 pub use drift::DriftModel;
 
 use crate::convex::ConvexError;
