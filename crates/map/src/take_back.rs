@@ -85,7 +85,6 @@ impl Map {
             }
             self.loops[at] = Arc::new(note);
         }
-        self.revision += 1;
         Ok(())
     }
 

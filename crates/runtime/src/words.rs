@@ -293,7 +293,10 @@ mod tests {
         assert_eq!((closed.weight, closed.frame()), (Weight::Info, Some(90)));
         let taken_back = told(LoopResult::TakenBack { by: 140 });
         assert_eq!((taken_back.weight, taken_back.event), (Weight::Warning, "loop_taken_back"));
-        assert_eq!(taken_back.text, "loop from frame 90 to 2 taken back: the loop from frame 140 contradicts it");
+        assert_eq!(
+            taken_back.text,
+            "loop from frame 90 to 2 taken back: the loop from frame 140 contradicts it"
+        );
         let refused = told(LoopResult::Refused("no such point".into()));
         assert_eq!((refused.weight, refused.event), (Weight::Warning, "loop_refused"));
         assert_eq!(refused.text, "loop from frame 90 to 2 rejected by the map: no such point");

@@ -1,9 +1,11 @@
 //! Which earlier loop later candidates speak against, and when that is enough to take it back.
 //!
-//! A candidate that the test refuses is a *witness against* an earlier loop when it passes without that loop, and without no
-//! other. One witness can be a mistake of its own. Two are enough when they come from different times and agree with each
-//! other: the later one passes the test that has the first one in the loop's place. A wrong loop is then outvoted, two
-//! to one; a right one is safe from any single mistake, and from several that do not agree.
+//! A candidate that the test refuses is a *witness against* an earlier loop when that one is clearly the [`culprit`]. One witness
+//! can be a mistake of its own. Two are enough when they come from different times and agree with each other: the later one
+//! passes the test that has the first one in the loop's place. A wrong loop is then outvoted, two to one; a right one is
+//! safe from any single mistake, and from several that do not agree.
+
+use super::LoopVerdict;
 
 /// A candidate that passes once an earlier loop is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,10 +18,20 @@ pub struct Witness<M> {
     pub now_from_then: M,
 }
 
-/// Without a loop its witness must lie nearer to where the path puts it, by this factor at least: a loop that merely gives way
-/// (the path has more drift to spend without it) is not what contradicts. A loop that is wrong by some distance puts its
-/// witness off by that distance and the drift of the path, which is smaller, or the loop would not stand out.
-pub const MAX_LEFT: f64 = 0.5;
+/// What is left of the contradiction without the loop at fault, over what is left otherwise, at most: a loop without which the
+/// path just has a little more drift to spend is not what contradicts.
+const MAX_LEFT: f64 = 0.5;
+
+/// The loop at fault for a refused candidate, by its place in the list: without it the candidate passes, and at most half of the
+/// contradiction ([`LoopNumbers::sigmas`](super::LoopNumbers::sigmas)) is left of what there is with all loops, and of what
+/// there is without any one of the others.
+pub fn culprit(with_all: f64, without: &[LoopVerdict]) -> Option<usize> {
+    let left = |at: &usize| without[*at].numbers().sigmas();
+    let best = (0..without.len()).min_by(|a, b| left(a).total_cmp(&left(b)))?;
+    let others = (0..without.len()).filter(|&at| at != best).map(|at| left(&at));
+    let is_clear = others.chain([with_all]).all(|other| left(&best) <= MAX_LEFT * other);
+    (is_clear && without[best].is_consistent()).then_some(best)
+}
 
 /// Witnesses against loops `L` heard so far.
 #[derive(Clone, Debug)]
@@ -58,10 +70,26 @@ impl<L: Copy + PartialEq, M: Copy> Doubts<L, M> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Inconsistency, LoopNumbers};
     use super::*;
 
     fn witness(now: u32) -> Witness<f64> {
         Witness { now, then: now - 100, now_from_then: 0.0 }
+    }
+
+    #[test]
+    fn the_culprit_is_the_one_loop_without_which_most_is_gone() {
+        let numbers = |sigmas| LoopNumbers { candidate_residual: sigmas, ..LoopNumbers::default() };
+        let passed = |sigmas| LoopVerdict::Consistent(numbers(sigmas));
+        let refused = |sigmas| LoopVerdict::Inconsistent {
+            reason: Inconsistency::Translation { sigmas },
+            numbers: numbers(sigmas),
+        };
+        assert_eq!(culprit(15.0, &[refused(15.0), passed(0.4), passed(3.1)]), Some(1));
+        assert_eq!(culprit(15.0, &[passed(0.4), passed(0.5)]), None, "either");
+        assert_eq!(culprit(15.0, &[refused(5.0), refused(15.0)]), None, "neither");
+        assert_eq!(culprit(4.1, &[passed(3.9)]), None, "a little slack");
+        assert_eq!(culprit(15.0, &[]), None);
     }
 
     #[test]

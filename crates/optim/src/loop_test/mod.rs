@@ -11,7 +11,7 @@ mod measure;
 
 use geometry::SE3;
 
-pub use doubts::{Doubts, MAX_LEFT, Witness};
+pub use doubts::{Doubts, Witness, culprit};
 pub use drift::DriftModel;
 
 use crate::convex::ConvexError;
@@ -96,6 +96,19 @@ pub struct LoopNumbers {
     pub odometry_residual: f64,
 }
 
+impl LoopNumbers {
+    /// The largest of all that was measured, in its standard deviations.
+    pub fn sigmas(&self) -> f64 {
+        let closures = [
+            (self.rotation_closure_deg, self.rotation_sigma_deg),
+            (self.translation_closure_m, self.translation_sigma_m),
+        ];
+        let closures = closures.into_iter().filter(|c| c.1 > 0.0).map(|(closure, sigma)| closure / sigma);
+        let residuals = [self.candidate_residual, self.earlier_loop_residual, self.odometry_residual];
+        closures.chain(residuals).fold(0.0, f64::max)
+    }
+}
+
 /// Why a candidate was refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Inconsistency {
@@ -141,6 +154,20 @@ pub enum LoopVerdict {
         /// As far as measured; zero beyond.
         numbers: LoopNumbers,
     },
+}
+
+impl LoopVerdict {
+    /// Whether the candidate agrees with everything.
+    pub fn is_consistent(&self) -> bool {
+        matches!(self, LoopVerdict::Consistent(_))
+    }
+
+    /// What was measured, as far as it was.
+    pub fn numbers(&self) -> &LoopNumbers {
+        match self {
+            LoopVerdict::Consistent(numbers) | LoopVerdict::Inconsistent { numbers, .. } => numbers,
+        }
+    }
 }
 
 /// Tests the one edge of kind [`CycleEdgeKind::Candidate`] against all others, at the current estimates `nodes`

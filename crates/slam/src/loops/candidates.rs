@@ -69,7 +69,8 @@ pub(super) fn find_far(keyframe: KeyframeId, world: &World, params: &Params) -> 
     let prior = PositionPrior::new(map, keyframe, &params.camera);
     let mut far: Vec<KeyframeId> = map.keyframes().map(|k| k.id).filter(|&id| !prior.allows(id)).collect();
     if !far.is_empty() {
-        let priors = centers_without(map).map(|centers| PositionPrior::along(centers, keyframe, &params.camera));
+        let priors =
+            centers_without(map).map(|centers| PositionPrior::along(centers, keyframe, &params.camera));
         let priors: Vec<PositionPrior> = priors.collect();
         far.retain(|&id| priors.iter().any(|prior| prior.allows(id)));
     }

@@ -4,6 +4,7 @@
 use geometry::{SE3, Sim3};
 use map::{Correction, KeyframeCorrection, KeyframeId, Map};
 use nalgebra::{SMatrix, SVector};
+use optim::loop_test::{LoopVerdict, Witness};
 use optim::{PoseGraphEdge, PoseGraphOptions, PoseGraphProblem, PoseGroup, refine_pose_graph};
 
 use super::LoopCorrection;
@@ -11,7 +12,6 @@ use super::cycle_test;
 use super::essential_graph::EssentialGraph;
 use super::outcome::NoLoop;
 use super::verify::Verified;
-use optim::loop_test::Witness;
 use crate::params::Params;
 
 /// Changes of scale beyond this factor are not drift.
@@ -49,11 +49,14 @@ pub(super) fn correct(
     } else {
         // `p_here = scale * R * p_there + scale * t`: lengths of the earlier visit become lengths of now.
         let rigid = verified.cam_from_world * there.cam_from_world.inverse();
-        let mut graph = EssentialGraph::new(map, keyframe, params.loops.essential_weight);
-        if let Some(Witness { now, then, now_from_then }) = witness {
-            graph.add_loop(map, [KeyframeId(*then), KeyframeId(*now)], *now_from_then);
+        let graph = graph_with(witness, keyframe, map, params);
+        match cycle_test::test(&graph, map, keyframe, verified.matched, &rigid, params) {
+            Some(LoopVerdict::Consistent(_)) => {}
+            Some(LoopVerdict::Inconsistent { reason, numbers }) => {
+                return Err(NoLoop::Inconsistent { reason, numbers });
+            }
+            None => return Err(NoLoop::NoPlaces),
         }
-        cycle_test::test(&graph, map, keyframe, verified.matched, &rigid, params)?;
         let closing = Some(([verified.matched, keyframe], rigid, scale));
         Correction { keyframes: relax(&graph, map, params, closing), ..Correction::default() }
     };
@@ -78,6 +81,33 @@ pub(super) fn correct(
         correction,
         earlier_points: verified.earlier_points.clone(),
     })
+}
+
+fn graph_with(
+    witness: Option<&Witness<SE3>>,
+    keyframe: KeyframeId,
+    map: &Map,
+    params: &Params,
+) -> EssentialGraph {
+    let mut graph = EssentialGraph::new(map, keyframe, params.loops.essential_weight);
+    if let Some(Witness { now, then, now_from_then }) = witness {
+        graph.add_loop(map, [KeyframeId(*then), KeyframeId(*now)], *now_from_then);
+    }
+    graph
+}
+
+/// The test alone, of a loop within a sub-map; `None` if one of its keyframes is gone.
+pub(super) fn test(
+    keyframe: KeyframeId,
+    verified: &Verified,
+    map: &Map,
+    params: &Params,
+    witness: Option<&Witness<SE3>>,
+) -> Option<LoopVerdict> {
+    let there = map.keyframe(verified.matched)?;
+    let rigid = verified.cam_from_world * there.cam_from_world.inverse();
+    let graph = graph_with(witness, keyframe, map, params);
+    cycle_test::test(&graph, map, keyframe, verified.matched, &rigid, params)
 }
 
 /// Moves the younger of two sub-maps as a whole to where the loop puts it.
@@ -113,9 +143,8 @@ pub(super) fn relax(
     closing: Option<Closing>,
 ) -> Vec<KeyframeCorrection> {
     if params.camera.sensor.is_scale_free() {
-        let closing = closing.map(|(ends, rigid, scale)| {
-            (ends, Sim3::new(rigid.rotation, rigid.translation * scale, scale))
-        });
+        let closing = closing
+            .map(|(ends, rigid, scale)| (ends, Sim3::new(rigid.rotation, rigid.translation * scale, scale)));
         let motion = |sim: &Sim3| SE3::new(sim.rotation, sim.translation);
         let poses = solve(graph, map, closing, params.camera.unit, Sim3::from, motion);
         graph.nodes.iter().zip(&poses).map(|(&id, pose)| corrected(id, pose)).collect()

@@ -125,7 +125,9 @@ impl LoopCloser {
         found.into_iter().find_map(|candidate| {
             let verified = self.verify(keyframe, candidate, world, probe).ok()?;
             staged(probe, Stage::PoseGraph, || {
-                take_back::hear(&mut self.doubts, keyframe, &verified, world, &self.params)
+                let verdict = correct::test(keyframe, &verified, &world.map, &self.params, None)?;
+                let refused = (&verified, verdict.numbers().sigmas());
+                take_back::hear(&mut self.doubts, keyframe, refused, world, &self.params)
             })
         })
     }
@@ -158,11 +160,14 @@ impl LoopCloser {
     ) -> Result<LoopCorrection, NoLoop> {
         let verified = self.verify(keyframe, candidate, world, probe)?;
         staged(probe, Stage::PoseGraph, || {
-            let refused = match correct::correct(keyframe, &verified, &world.map, &self.params, None) {
-                Err(reason @ NoLoop::Inconsistent { .. }) => reason,
-                other => return other,
-            };
-            take_back::hear(&mut self.doubts, keyframe, &verified, world, &self.params).ok_or(refused)
+            match correct::correct(keyframe, &verified, &world.map, &self.params, None) {
+                Err(NoLoop::Inconsistent { reason, numbers }) => {
+                    let refused = (&verified, numbers.sigmas());
+                    take_back::hear(&mut self.doubts, keyframe, refused, world, &self.params)
+                        .ok_or(NoLoop::Inconsistent { reason, numbers })
+                }
+                other => other,
+            }
         })
     }
 

@@ -3,14 +3,17 @@
 
 use geometry::{SE3, Vec3};
 use map::{ClosedLoop, Correction, KeyframeId, Map};
-use optim::loop_test::{Doubts, MAX_LEFT, Witness};
+use optim::loop_test::{Doubts, Witness, culprit};
 
 use super::LoopCorrection;
-use super::correct::{correct, relax};
+use super::correct::{correct, relax, test};
 use super::essential_graph::EssentialGraph;
 use super::verify::{Verified, verify};
 use crate::params::Params;
 use crate::world::World;
+
+/// Loops that are left out in turn, to see what a refused candidate contradicts: each costs a pose graph and a test.
+const MAX_SUSPECTS: usize = 4;
 
 /// A loop by its keyframes: of the earlier visit, of the later one.
 pub(super) type Name = (KeyframeId, KeyframeId);
@@ -27,42 +30,52 @@ struct Without {
 pub(super) fn hear(
     doubts: &mut Doubts<Name, SE3>,
     keyframe: KeyframeId,
-    refused: &Verified,
+    (refused, sigmas): (&Verified, f64),
     world: &World,
     params: &Params,
 ) -> Option<LoopCorrection> {
     let map = &world.map;
     doubts.keep(|name| map.loops().iter().any(|closed| name == (closed.matched, closed.keyframe)));
-    let left = MAX_LEFT * off(keyframe, refused, map)?;
-    let candidate = |without: &Without| {
-        let verified = verify(refused.matched, keyframe, &without.world, params).ok()?;
-        let fits = off(keyframe, &verified, &without.world.map)? <= left
-            && correct(keyframe, &verified, &without.world.map, params, None).is_ok();
-        fits.then_some(verified)
-    };
-    let suspects = map.loops().iter().filter_map(|closed| {
-        let without = Without::new(world, closed, params)?;
-        let verified = candidate(&without)?;
-        Some((without, verified))
-    });
-    let mut suspects: Vec<(Without, Verified)> = suspects.take(2).collect();
-    let (without, verified) = suspects.pop().filter(|_| suspects.is_empty())?;
-    let there = without.world.map.keyframe(verified.matched)?.cam_from_world;
+    let mut tried: Vec<(Without, Verified)> = Vec::new();
+    let mut verdicts = Vec::new();
+    for closed in suspects(keyframe, refused, map) {
+        let Some(without) = Without::new(world, closed, params) else { continue };
+        let Ok(verified) = verify(refused.matched, keyframe, &without.world, params) else { continue };
+        let Some(verdict) = test(keyframe, &verified, &without.world.map, params, None) else { continue };
+        tried.push((without, verified));
+        verdicts.push(verdict);
+    }
+    let (without, verified) = tried.swap_remove(culprit(sigmas, &verdicts)?);
+    let map_without = &without.world.map;
+    let there = map_without.keyframe(verified.matched)?.cam_from_world;
     let witness = Witness {
         now: keyframe.0,
         then: verified.matched.0,
         now_from_then: verified.cam_from_world * there.inverse(),
     };
-    let close = |first: &Witness<SE3>| {
-        correct(keyframe, &verified, &without.world.map, params, Some(first)).ok()
+    let agrees = |first: &Witness<SE3>| {
+        let verdict = test(keyframe, &verified, map_without, params, Some(first));
+        verdict.is_some_and(|verdict| verdict.is_consistent())
     };
-    let first = doubts.hear(without.name, witness, |first| close(first).is_some())?;
-    close(&first).map(|found| without.in_terms_of(map, found))
+    let first = doubts.hear(without.name, witness, agrees)?;
+    let found = correct(keyframe, &verified, map_without, params, Some(&first)).ok()?;
+    Some(without.in_terms_of(map, found))
 }
 
-/// How far a verified place is from where the map has the keyframe, meters or the unit of the map.
-fn off(keyframe: KeyframeId, verified: &Verified, map: &Map) -> Option<f64> {
-    Some((verified.cam_from_world.center() - map.keyframe(keyframe)?.center()).norm())
+/// The loops that may be at fault, likeliest first: those without which the keyframe comes nearest to where it was verified.
+fn suspects<'m>(keyframe: KeyframeId, refused: &Verified, map: &'m Map) -> Vec<&'m ClosedLoop> {
+    let Some(there) = map.keyframe(refused.matched) else { return Vec::new() };
+    let here_from_there = refused.cam_from_world * there.cam_from_world.inverse();
+    let off = |closed: &ClosedLoop| {
+        let poses = map.poses_without(&[(closed.matched, closed.keyframe)]);
+        let pose = |id| poses.binary_search_by_key(&id, |p| p.0).ok().map(|at| poses[at].1);
+        let expected = here_from_there * pose(refused.matched)?;
+        Some((expected.center() - pose(keyframe)?.center()).norm())
+    };
+    let loops = map.loops().iter().filter_map(|closed| Some((off(closed)?, &**closed)));
+    let mut loops: Vec<(f64, &ClosedLoop)> = loops.collect();
+    loops.sort_by(|a, b| a.0.total_cmp(&b.0));
+    loops.into_iter().map(|l| l.1).take(MAX_SUSPECTS).collect()
 }
 
 /// Where the keyframes of its sub-map would be without each of the loops, roughly: later loops left as they are.

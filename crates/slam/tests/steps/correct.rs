@@ -41,7 +41,8 @@ fn a_rigid_loop_spreads_the_drift_over_the_round() {
     let poses = drifted(&error, 1.0);
     let before = (poses[15].center() - truth(15).center()).norm();
     let map = chain(&poses, 16);
-    let found = correct(KeyframeId(15), &verified(truth(15), 1.0, Vec::new()), &map, &params(), None).unwrap();
+    let found =
+        correct(KeyframeId(15), &verified(truth(15), 1.0, Vec::new()), &map, &params(), None).unwrap();
     let keyframes = &found.correction.keyframes;
     assert_eq!(keyframes.len(), 16);
     assert!(gap(&keyframes[0].cam_from_world, &poses[0]) < 1e-12, "the root stays");
