@@ -19,9 +19,9 @@ pub struct ClosedLoop {
     pub(crate) revision: u64,
     /// The first keyframe that was inserted into the closed map.
     pub(crate) next: KeyframeId,
-    /// The new visit as it was: keyframes that shared points with `keyframe`, by id.
+    /// The new visit as it was: keyframes that shared points with `keyframe` and not with `matched`, by id.
     pub(crate) visit: Vec<KeyframeId>,
-    /// Others that shared points with the visit before the loop did so, by id.
+    /// Others that shared points with the visit by themselves, those around `matched` only if it was with `keyframe`, by id.
     pub(crate) near: Vec<KeyframeId>,
     /// `cam_from_world` and scale of every keyframe of the sub-map before the loop, by id.
     pub(crate) before: Vec<(KeyframeId, SE3, f64)>,
@@ -104,7 +104,11 @@ impl Map {
         let later = (keyframe.index()..self.keyframes.len()).map(KeyframeId::from_index);
         let mut visit: BTreeSet<KeyframeId> = later.filter(|&id| self.keyframe(id).is_some()).collect();
         visit.extend(covisible(keyframe));
-        let near: BTreeSet<KeyframeId> = visit.iter().flat_map(|&id| covisible(id)).collect();
+        let around: BTreeSet<KeyframeId> = covisible(matched).chain([matched]).collect();
+        let both: Vec<KeyframeId> = visit.intersection(&around).copied().collect();
+        visit.retain(|id| !around.contains(id));
+        let near = visit.iter().flat_map(|&id| covisible(id)).filter(|id| !around.contains(id));
+        let near: BTreeSet<KeyframeId> = near.chain(both).collect();
         let members = self.submap_members(keyframe).into_iter().map(|id| self.keyframes.live(id));
         ClosedLoop {
             matched,

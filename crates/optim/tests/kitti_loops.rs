@@ -113,16 +113,15 @@ impl Drive {
                 let gone_on = (along(now, a) - along(then, b)).abs();
                 now - a <= ROW && gone_on <= 2.0 * PLACE_M * std::f64::consts::SQRT_2
             };
-            let list = if is_near { &mut alike } else { &mut far };
-            let n_in_row = list.iter().filter(in_row).count();
-            list.push((now, then));
+            let n_in_row = alike.iter().chain(far.iter().filter(|_| !is_near)).filter(in_row).count();
+            if is_near { &mut alike } else { &mut far }.push((now, then));
             if n_in_row < CONSISTENCY {
                 continue;
             }
             let verdict = self.test(&answer.nodes, &answer.accepted, (now, then), drift);
-            if !verdict.is_consistent() {
+            if !is_near || !verdict.is_consistent() {
                 self.doubt(&mut doubts, &mut answer, (now, then), verdict.numbers().sigmas(), drift);
-            } else if is_near {
+            } else {
                 self.accept(&mut answer, &[(now, then)], drift);
             }
         }
@@ -160,7 +159,7 @@ impl Drive {
     ) -> impl Iterator<Item = (&'a (u32, u32), &'a Vec<SE3>)> {
         for &one in &answer.accepted {
             let others: Vec<_> = answer.accepted.iter().copied().filter(|&l| l != one).collect();
-            answer.without.entry(one).or_insert_with(|| self.solve(&answer.nodes, &others, drift));
+            answer.without.entry(one).or_insert_with(|| self.solve(&self.nodes, &others, drift));
         }
         answer.without.iter()
     }
@@ -293,6 +292,10 @@ fn check_forced(name: &str, nth: usize, most_left: f64) {
 
 #[test]
 fn false_loops_that_pass_are_taken_back() {
+    if std::env::var_os("ONE").is_some() {
+        check_forced("05", 120, 5.0);
+        return;
+    }
     check_forced("05", 20, 0.5);
     check_forced("00", 40, 0.25);
     if std::env::var_os("MORE").is_some() {

@@ -8,6 +8,7 @@ use optim::loop_test::{Doubts, Witness, culprit};
 use super::LoopCorrection;
 use super::correct::{correct, relax, test};
 use super::essential_graph::EssentialGraph;
+use super::position_prior::PositionPrior;
 use super::verify::{Verified, verify};
 use crate::params::Params;
 use crate::world::World;
@@ -41,7 +42,11 @@ pub(super) fn hear(
     for closed in suspects(keyframe, refused, map) {
         let Some(without) = Without::new(world, closed, params) else { continue };
         let Ok(verified) = verify(refused.matched, keyframe, &without.world, params) else { continue };
-        let Some(verdict) = test(keyframe, &verified, &without.world.map, params, None) else { continue };
+        let map = &without.world.map;
+        let Some(verdict) = test(keyframe, &verified, map, params, None) else { continue };
+        if !PositionPrior::new(map, keyframe, &params.camera).allows(refused.matched) {
+            continue;
+        }
         tried.push((without, verified));
         verdicts.push(verdict);
     }
