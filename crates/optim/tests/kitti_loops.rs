@@ -281,10 +281,6 @@ fn check_forced(name: &str, nth: usize, most_left: f64) {
         accepted.len(),
         wrong.len()
     );
-    if taken_back != [forced] || !wrong.is_empty() {
-        println!("BAD");
-        return;
-    }
     assert_eq!(taken_back, [forced]);
     assert!(wrong.is_empty(), "false loops accepted: {wrong:?}");
     assert!(after <= most_left * before, "{before} -> {after}");
@@ -292,23 +288,8 @@ fn check_forced(name: &str, nth: usize, most_left: f64) {
 
 #[test]
 fn false_loops_that_pass_are_taken_back() {
-    if std::env::var_os("ONE").is_some() {
-        check_forced("05", 120, 5.0);
-        return;
-    }
-    check_forced("05", 20, 0.5);
     check_forced("00", 40, 0.25);
-    if std::env::var_os("MORE").is_some() {
-        for nth in [0, 10, 40, 80, 120] {
-            check_forced("05", nth, 5.0);
-        }
-        for nth in [0, 10, 20, 80, 160, 240] {
-            check_forced("00", nth, 5.0);
-        }
-        for nth in [0, 40, 80, 160, 240, 320] {
-            check_forced("02", nth, 5.0);
-        }
-    }
+    check_forced("05", 20, 0.5);
 }
 
 #[test]
