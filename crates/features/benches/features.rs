@@ -4,10 +4,11 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use dsslam_features::{
-    DepthConfig, EpipolarRange, Extractor, ExtractorConfig, Frame, FrameBuilder, ProjectionQuery, RemapTable,
-    Rig, StereoConfig, match_brute_force, remap, search_epipolar_all, search_windows,
+    ActivationError, ActivationMap, ActivationSource, DepthConfig, EpipolarRange, Extractor, ExtractorConfig,
+    Frame, FrameBuilder, InTurn, ProjectionQuery, RemapTable, Rig, SelectionConfig, SelectionRule, Spread,
+    StereoConfig, match_brute_force, remap, search_epipolar_all, search_windows,
 };
-use geometry::{CameraModel, Distortion, GrayImage, Pinhole, SE3, SO3, StereoRig, Vec3};
+use geometry::{CameraModel, Distortion, GrayImage, Pinhole, Raster, SE3, SO3, StereoRig, Vec3};
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
@@ -59,6 +60,15 @@ fn stages(criterion: &mut Criterion) {
         b.iter(|| black_box(builder.stereo(0, 0.0, &left, &right).expect("no selection can fail").0))
     });
 
+    let mut choosing = choosing(&left);
+    let mut index = 0;
+    group.bench_function("stereo frame, 500 by activation", |b| {
+        b.iter(|| {
+            index += 1;
+            black_box(choosing.stereo(index, 0.0, &left, &right).expect("the map is given").0)
+        });
+    });
+
     let frame = builder.stereo(0, 0.0, &left, &right).expect("no selection can fail").0;
     let queries: Vec<ProjectionQuery> = (0..frame.len()).map(|i| query(&frame, i)).collect();
     let free = vec![true; frame.len()];
@@ -73,6 +83,29 @@ fn stages(criterion: &mut Criterion) {
         b.iter(|| black_box(match_brute_force(&frame.descriptors, &frame.descriptors, 50, 0.8)));
     });
     group.finish();
+}
+
+/// An activation map that costs nothing.
+#[derive(Debug)]
+struct Given(ActivationMap);
+
+impl ActivationSource for Given {
+    fn activation(&self, _: &GrayImage) -> Result<ActivationMap, ActivationError> {
+        Ok(self.0.clone())
+    }
+}
+
+/// A builder that keeps 500 of 2000 candidates by the map of every second image.
+fn choosing(image: &GrayImage) -> FrameBuilder {
+    let cell = |x: usize, y: usize| {
+        if geometry::mix_seed(3, x as u64 / 16, y as u64 / 8) & 7 == 0 { 0.0 } else { 1.0 }
+    };
+    let map = ActivationMap::new(Raster::from_fn(208, 64, cell), image.width, image.height).expect("values");
+    let selection = SelectionRule::Activation;
+    let config = ExtractorConfig { keep: 500, selection, network_every: 2, ..ExtractorConfig::default() };
+    let rule = SelectionConfig { rule: selection, keep: 500, spread: Spread::Cells };
+    FrameBuilder::new(rig(image), config, StereoConfig::default(), DepthConfig::default())
+        .with_selection(rule, Box::new(InTurn::new(Arc::new(Given(map)))))
 }
 
 /// Rectification of an image of EuRoC's size.

@@ -72,9 +72,14 @@ impl ActivationMap {
 
     /// A map of the same image whose cells have the answers of other ones: those that `from` names, column and row.
     pub(crate) fn taken_from(&self, from: impl Fn(usize, usize) -> (usize, usize)) -> Self {
-        let cells = Raster::from_fn(self.values.width, self.values.height, from);
+        let Raster { width, height, .. } = self.values;
+        let cells: Vec<usize> = (0..height)
+            .flat_map(|row| (0..width).map(move |column| (column, row)))
+            .map(|(column, row)| from(column, row))
+            .map(|(column, row)| row * width + column)
+            .collect();
         let take = |values: &Raster<f32>| Raster {
-            data: cells.data.iter().map(|&(column, row)| values.at(column, row)).collect(),
+            data: cells.iter().map(|&i| values.data[i]).collect(),
             ..*values
         };
         Self { values: take(&self.values), lasting: self.lasting.as_ref().map(take), ..*self }

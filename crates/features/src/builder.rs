@@ -172,7 +172,7 @@ impl FrameBuilder {
     /// Starts the evaluation of an image for the frames after it, if one is due.
     fn evaluate(&mut self, index: u32, image: &GrayImage) {
         if let Some(selection) = &mut self.selection {
-            selection.evaluate_if_due(index, image, self.extractor.pyramid());
+            selection.evaluate_if_due(index, image);
         }
     }
 

@@ -11,7 +11,6 @@ use geometry::GrayImage;
 use crate::activation::{ActivationError, ActivationMap, ActivationSource};
 use crate::extractor::{Extractor, Selected};
 use crate::follow::{Answered, Small};
-use crate::pyramid::Pyramid;
 use crate::selection::SelectionConfig;
 
 /// Evaluates one image after the other, if it can while other work goes on.
@@ -62,11 +61,13 @@ pub(crate) struct Selection {
     last: Option<Answered>,
     /// The one that goes on: number and image of its frame.
     started: Option<(u32, Small)>,
+    /// The present image, if its answers may serve other ones.
+    small: Option<Small>,
 }
 
 impl Selection {
     pub(crate) fn new(config: SelectionConfig, evaluator: Box<dyn Evaluator>, every: u32) -> Self {
-        Selection { config, evaluator, every, last: None, started: None }
+        Selection { config, evaluator, every, last: None, started: None, small: None }
     }
 
     /// Extracts the features of an image and selects among them.
@@ -83,50 +84,43 @@ impl Selection {
         if waits {
             self.evaluator.start(image);
         }
-        extractor.detect(image);
-        let map = if waits {
-            self.own(index, extractor.pyramid())?
-        } else {
-            self.moved(index, image, extractor.pyramid())?
-        };
-        Ok(extractor.keep(map, &self.config, image))
+        let config = self.config;
+        let map = extractor.detect(image, |pyramid| {
+            self.small = pyramid.levels().last().filter(|_| self.every > 1).map(Small::of);
+            if waits { self.own(index) } else { self.moved(index, image) }
+        })?;
+        Ok(extractor.keep(map, &config, image))
     }
 
-    /// Starts the evaluation of an image whose features have been extracted, if one is due.
-    pub(crate) fn evaluate_if_due(&mut self, index: u32, image: &GrayImage, pyramid: &Pyramid) {
+    /// Starts the evaluation of the image whose features were selected just now, if one is due.
+    pub(crate) fn evaluate_if_due(&mut self, index: u32, image: &GrayImage) {
         let is_due = self.last.as_ref().is_some_and(|last| index.wrapping_sub(last.index) >= self.every);
-        if is_due && let Some(small) = pyramid.levels().last().map(Small::of) {
+        if is_due && let Some(small) = self.small.take() {
             self.evaluator.start(image);
             self.started = Some((index, small));
         }
     }
 
-    /// The answers for the image that was started just now, which is the one in the pyramid.
-    fn own(&mut self, index: u32, pyramid: &Pyramid) -> Result<ActivationMap, ActivationError> {
+    /// The answers for the present image, which was started just now.
+    fn own(&mut self, index: u32) -> Result<ActivationMap, ActivationError> {
         let map = self.evaluator.finish()?;
-        let coarsest = pyramid.levels().last().filter(|_| self.every > 1);
-        self.last = coarsest.map(|level| Answered { index, map: map.clone(), small: Small::of(level) });
+        self.last = self.small.take().map(|small| Answered { index, map: map.clone(), small });
         Ok(map)
     }
 
-    /// The last answers, moved to the image in the pyramid, or its own where that cannot be.
-    fn moved(
-        &mut self,
-        index: u32,
-        image: &GrayImage,
-        pyramid: &Pyramid,
-    ) -> Result<ActivationMap, ActivationError> {
+    /// The last answers, moved to the present image, or its own where that cannot be.
+    fn moved(&mut self, index: u32, image: &GrayImage) -> Result<ActivationMap, ActivationError> {
         if let Some((index, small)) = self.started.take() {
             let map = self.evaluator.finish()?;
             self.last = Some(Answered { index, map, small });
         }
-        let level = pyramid.levels().last();
-        let moved = self.last.as_ref().zip(level).and_then(|(last, level)| last.moved_to(&Small::of(level)));
+        let moved =
+            self.last.as_ref().zip(self.small.as_ref()).and_then(|(last, small)| last.moved_to(small));
         match moved {
             Some(map) => Ok(map),
             None => {
                 self.evaluator.start(image);
-                self.own(index, pyramid)
+                self.own(index)
             }
         }
     }
@@ -180,7 +174,7 @@ mod tests {
             let image = image(n, width);
             let selected = selection.select(&mut extractor, n, &image);
             if selected.is_ok() {
-                selection.evaluate_if_due(n, &image, extractor.pyramid());
+                selection.evaluate_if_due(n, &image);
             }
             selected.ok().map(|selected| (selected.map.at(50.0, 50.0) * 255.0).round() as u8)
         };

@@ -91,10 +91,11 @@ impl Extractor {
     /// Levels run in parallel on the current rayon pool; the result does not depend on the number of threads.
     pub fn extract(&mut self, image: &GrayImage) -> Features {
         self.pyramid.build(self.simd, &self.scales, image);
-        self.on_levels(|worker, level| {
+        let work = |worker: &mut Worker, level: Level<'_>| {
             worker.detect(&level);
             worker.describe(&level);
-        });
+        };
+        self.on_levels(work, |_| ());
         self.collect()
     }
 
@@ -109,8 +110,8 @@ impl Extractor {
         selection: &SelectionConfig,
         source: &dyn ActivationSource,
     ) -> Result<Selected, ActivationError> {
-        let (map, ()) = rayon::join(|| source.activation(image), || self.detect(image));
-        Ok(self.keep(map?, selection, image))
+        let map = self.detect(image, |_| source.activation(image))?;
+        Ok(self.keep(map, selection, image))
     }
 
     /// Selects among the candidates of `image`, which are in the workers, and describes those kept.
@@ -121,14 +122,18 @@ impl Extractor {
         image: &GrayImage,
     ) -> Selected {
         let [activation, lasting] = self.select(&map, selection, (image.width, image.height));
-        self.on_levels(|worker, level| worker.describe(&level));
+        self.on_levels(|worker, level| worker.describe(&level), |_| ());
         Selected { features: self.collect(), activation, lasting, map }
     }
 
-    /// Leaves the candidates of `image` in the workers.
-    pub(crate) fn detect(&mut self, image: &GrayImage) {
+    /// Leaves the candidates of `image` in the workers; returns what `beside` makes of the pyramid meanwhile.
+    pub(crate) fn detect<T: Send>(
+        &mut self,
+        image: &GrayImage,
+        beside: impl FnOnce(&Pyramid) -> T + Send,
+    ) -> T {
         self.pyramid.build(self.simd, &self.scales, image);
-        self.on_levels(|worker, level| worker.detect(&level));
+        self.on_levels(|worker, level| worker.detect(&level), beside)
     }
 
     /// Reduces the candidates to those kept; returns both answers at each, by octave, row, column.
@@ -160,16 +165,23 @@ impl Extractor {
         answers
     }
 
-    /// Does `work` on each level, in parallel.
-    fn on_levels(&mut self, work: impl Fn(&mut Worker, Level<'_>) + Sync) {
+    /// Does `work` on each level, in parallel, and what is done with the pyramid beside it.
+    fn on_levels<T: Send>(
+        &mut self,
+        work: impl Fn(&mut Worker, Level<'_>) + Send + Sync,
+        beside: impl FnOnce(&Pyramid) -> T + Send,
+    ) -> T {
         let Self { config, simd, quotas, pyramid, workers, mask, .. } = self;
-        let mask = mask.as_deref();
+        let (mask, pyramid) = (mask.as_deref(), &*pyramid);
         let levels = pyramid.levels();
-        workers[..levels.len()].par_iter_mut().with_max_len(1).enumerate().for_each(|(octave, worker)| {
+        let workers = &mut workers[..levels.len()];
+        let on_level = |(octave, worker): (usize, &mut Worker)| {
             let placement = pyramid.placement(octave);
             let (plane, quota, octave) = (&levels[octave], quotas[octave], octave as u8);
             work(worker, Level { simd: *simd, config, plane, octave, placement, quota, mask });
-        });
+        };
+        let on_all = || workers.par_iter_mut().with_max_len(1).enumerate().for_each(on_level);
+        rayon::join(on_all, || beside(pyramid)).1
     }
 
     /// The features that the workers hold.

@@ -4,6 +4,7 @@
 use crate::activation::ActivationMap;
 use crate::plane::Plane;
 use geometry::GrayImage;
+use simd::{Simd, Task};
 
 /// Side of a block, pixels of the small image.
 const BLOCK: usize = 8;
@@ -15,7 +16,7 @@ const MAX_WIDTH: usize = 192;
 const REACH_X: f32 = 0.08;
 const REACH_Y: f32 = 0.04;
 /// What a pixel of motion costs, gray levels summed over the block: blocks without structure stay.
-const COST: u32 = 6;
+const COST: u16 = 6;
 
 /// An image made small, to be looked for in another one.
 #[derive(Clone, Debug)]
@@ -38,11 +39,12 @@ impl Small {
         Small { image, sums }
     }
 
-    /// Sums of the four quarters of a block.
-    fn quarters(&self, (x, y): (usize, usize)) -> [u16; 4] {
+    /// Sums of the quarters of the blocks that begin at `n` pixels of a row, quarter after quarter.
+    #[inline(always)]
+    fn quarters(&self, (x, y): (usize, usize), n: usize) -> [&[u16]; 4] {
         let at = y * self.image.width + x;
         let below = at + HALF * self.image.width;
-        [self.sums[at], self.sums[at + HALF], self.sums[below], self.sums[below + HALF]]
+        [at, at + HALF, below, below + HALF].map(|start| &self.sums[start..start + n])
     }
 }
 
@@ -82,81 +84,131 @@ impl Answered {
         {
             return None;
         }
-        let reach = [REACH_X, REACH_Y].map(|share| (share * width as f32).ceil() as isize);
-        let (columns, rows) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
-        let motion: Vec<(isize, isize)> = (0..rows * columns)
-            .map(|i| {
-                // The last block of a row or column overlaps the one before.
-                let corner = |block: usize, length: usize| (block * BLOCK).min(length - BLOCK);
-                motion_of(
-                    small,
-                    &self.small,
-                    (corner(i % columns, width), corner(i / columns, height)),
-                    reach,
-                )
-            })
-            .collect();
+        let reach = [REACH_X, REACH_Y].map(|share| (share * width as f32).ceil() as usize);
+        let motions = Simd::detect().run(Search { image: small, earlier: &self.small, reach });
         let values = self.map.values();
         let scale = [values.width as f32 / width as f32, values.height as f32 / height as f32];
-        let from = |column: usize, row: usize| {
-            let place = |cell: usize, scale: f32, length: usize| {
-                (((cell as f32 + 0.5) / scale) as usize).min(length - 1) / BLOCK
-            };
-            let (dx, dy) = motion[place(row, scale[1], height) * columns + place(column, scale[0], width)];
-            let source = |cell: usize, d: isize, scale: f32, length: usize| {
-                (cell as f32 + d as f32 * scale).round().clamp(0.0, (length - 1) as f32) as usize
-            };
-            (source(column, dx, scale[0], values.width), source(row, dy, scale[1], values.height))
+        let cells = |d: isize, scale: f32| (d as f32 * scale + 0.5).floor() as isize;
+        let shifts: Vec<_> =
+            motions.into_iter().map(|(dx, dy)| (cells(dx, scale[0]), cells(dy, scale[1]))).collect();
+        let blocks = |n_cells: usize, scale: f32, length: usize| -> Vec<usize> {
+            let pixel = |cell: usize| ((cell as f32 + 0.5) / scale) as usize;
+            (0..n_cells).map(|cell| pixel(cell).min(length - 1) / BLOCK).collect()
         };
-        Some(self.map.taken_from(from))
+        let columns = blocks(values.width, scale[0], width);
+        let rows = blocks(values.height, scale[1], height);
+        Some(self.map.taken_from(|column, row| {
+            let (dx, dy) = shifts[rows[row] * width.div_ceil(BLOCK) + columns[column]];
+            let source = |cell: usize, d: isize, n: usize| cell.saturating_add_signed(d).min(n - 1);
+            (source(column, dx, values.width), source(row, dy, values.height))
+        }))
     }
 }
 
-/// Where the block of `image` with this corner was in `earlier`, relative to the corner: the least sum of absolute differences. It is
-/// nowhere less than the differences of the quarters' sums, which spares most blocks.
-fn motion_of(
-    image: &Small,
-    earlier: &Small,
-    (x, y): (usize, usize),
-    [reach_x, reach_y]: [isize; 2],
-) -> (isize, isize) {
-    let quarters = image.quarters((x, y));
-    let (mut best, mut motion) = (difference(&image.image, &earlier.image, (x, y), (x, y), u32::MAX), (0, 0));
-    let range = |at: usize, reach: isize, length: usize| {
-        (-reach).max(-(at as isize))..=reach.min((length - BLOCK - at) as isize)
-    };
-    for dy in range(y, reach_y, earlier.image.height) {
-        for dx in range(x, reach_x, earlier.image.width) {
-            let cost = COST * (dx.unsigned_abs() + dy.unsigned_abs()) as u32;
-            let place = (x.saturating_add_signed(dx), y.saturating_add_signed(dy));
-            let pairs = quarters.iter().zip(earlier.quarters(place));
-            let least = cost + pairs.map(|(a, b)| u32::from(a.abs_diff(b))).sum::<u32>();
-            if least < best {
-                let found = cost + difference(&image.image, &earlier.image, (x, y), place, best - cost);
-                if found < best {
-                    (best, motion) = (found, (dx, dy));
+/// Looks for the blocks of an image in an earlier one of its size.
+struct Search<'a> {
+    image: &'a Small,
+    earlier: &'a Small,
+    /// How far, pixels in x and in y.
+    reach: [usize; 2],
+}
+
+impl Task for Search<'_> {
+    type Output = Vec<(isize, isize)>;
+
+    /// Where each block was, relative to where it is; row by row.
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        // The last block of a row or column overlaps the one before.
+        let corners =
+            |length: usize| (0..length.div_ceil(BLOCK)).map(move |block| (block * BLOCK).min(length - BLOCK));
+        let mut least = Vec::new();
+        let mut motions = Vec::new();
+        for y in corners(self.image.image.height) {
+            for x in corners(self.image.image.width) {
+                motions.push(self.motion_of((x, y), &mut least));
+            }
+        }
+        motions
+    }
+}
+
+impl Search<'_> {
+    /// Where the block with this corner was, relative to the corner: the place of the least cost, and of equal ones the corner
+    /// itself or the first. A place costs the sum of absolute differences and what its distance costs. The differences of the
+    /// quarters' sums, gathered in `least`, are never more than that, which spares most places.
+    #[inline(always)]
+    fn motion_of(&self, (x, y): (usize, usize), least: &mut Vec<u16>) -> (isize, isize) {
+        let Self { image, earlier, reach } = self;
+        let from = [x.saturating_sub(reach[0]), y.saturating_sub(reach[1])];
+        let n_columns = (x + reach[0]).min(image.image.width - BLOCK) - from[0] + 1;
+        let n_rows = (y + reach[1]).min(image.image.height - BLOCK) - from[1] + 1;
+        let quarters = image.quarters((x, y), 1).map(|sums| sums[0]);
+        least.clear();
+        least.resize(n_rows * n_columns, 0);
+        for (line, row) in least.chunks_exact_mut(n_columns).zip(from[1]..) {
+            for (least, column) in line.iter_mut().zip(from[0] as u16..) {
+                *least = distance((x as u16, y as u16), (column, row as u16));
+            }
+            for (quarter, sums) in quarters.iter().zip(earlier.quarters((from[0], row), n_columns)) {
+                for (least, sum) in line.iter_mut().zip(sums) {
+                    *least += sum.abs_diff(*quarter);
                 }
             }
         }
+        // The corner wins among equals. The most promising place is tried early, so that few others are worth a look.
+        let lowest = least.iter().copied().min().unwrap_or_default();
+        let promising = least.iter().position(|&least| least == lowest).unwrap_or_default();
+        let promising = (from[0] + promising % n_columns, from[1] + promising / n_columns);
+        let mut best = self.ranked((x, y), (x, y)).min(self.ranked((x, y), promising));
+        for (line, row) in least.chunks_exact(n_columns).zip(from[1]..) {
+            if u32::from(line.iter().copied().min().unwrap_or_default()) > best.0 {
+                continue;
+            }
+            for (least, column) in line.iter().zip(from[0]..) {
+                if u32::from(*least) <= best.0 {
+                    best = best.min(self.ranked((x, y), (column, row)));
+                }
+            }
+        }
+        let (row, column) = best.2;
+        (column as isize - x as isize, row as isize - y as isize)
     }
-    motion
+
+    /// What a place costs, whether it is another one than the corner, and the place, row first: the less the better.
+    #[inline(always)]
+    fn ranked(&self, corner: (usize, usize), place: (usize, usize)) -> (u32, bool, (usize, usize)) {
+        let difference = difference(&self.image.image, &self.earlier.image, corner, place);
+        let [at, to] = [corner, place].map(|(x, y)| (x as u16, y as u16));
+        (difference + u32::from(distance(at, to)), place != corner, (place.1, place.0))
+    }
 }
 
-/// Sum of the absolute differences of two blocks; ends early when it is at least `limit`.
-fn difference(a: &GrayImage, b: &GrayImage, at_a: (usize, usize), at_b: (usize, usize), limit: u32) -> u32 {
+/// What it costs to be elsewhere.
+#[inline(always)]
+fn distance(at: (u16, u16), place: (u16, u16)) -> u16 {
+    COST * (at.0.abs_diff(place.0) + at.1.abs_diff(place.1))
+}
+
+/// Sum of the absolute differences of two blocks.
+#[inline(always)]
+fn difference(a: &GrayImage, b: &GrayImage, at_a: (usize, usize), at_b: (usize, usize)) -> u32 {
+    let (a, b) = (block(a, at_a), block(b, at_b));
     let mut sum = 0;
-    for i in 0..BLOCK {
-        let line = |image: &GrayImage, (x, y): (usize, usize)| -> [u8; BLOCK] {
-            let row = &image.row(y + i)[x..x + BLOCK];
-            std::array::from_fn(|j| row[j])
-        };
-        let (line_a, line_b) = (line(a, at_a), line(b, at_b));
-        sum += line_a.iter().zip(line_b).map(|(p, q)| u32::from(p.abs_diff(q))).sum::<u32>();
-        if sum >= limit {
-            break;
-        }
+    for i in 0..a.len() {
+        sum += u32::from(a[i].abs_diff(b[i]));
     }
     sum
+}
+
+/// The pixels of a block.
+#[inline(always)]
+fn block(image: &GrayImage, (x, y): (usize, usize)) -> [u8; BLOCK * BLOCK] {
+    let mut pixels = [0; BLOCK * BLOCK];
+    for (i, line) in pixels.chunks_exact_mut(BLOCK).enumerate() {
+        line.copy_from_slice(&image.row(y + i)[x..x + BLOCK]);
+    }
+    pixels
 }
 
 #[cfg(test)]
@@ -200,6 +252,35 @@ mod tests {
         let mut flat = Plane::default();
         flat.copy_from(&GrayImage::new(320, 96, 90));
         assert_eq!(answered(&flat).moved_to(&Small::of(&flat)), Some(map()));
+    }
+
+    #[test]
+    fn places_that_are_spared_are_none_of_the_best() {
+        let noise = |seed: u64, step: usize| {
+            let value =
+                move |x: usize, y: usize| geometry::mix_seed(seed, (x / step) as u64, (y / step) as u64);
+            let mut plane = Plane::default();
+            plane.copy_from(&GrayImage::from_fn(130, 61, |x, y| (value(x, y) % 61) as u8));
+            Small::of(&plane)
+        };
+        for step in [1, 3, 9] {
+            let (image, earlier) = (noise(5, step), noise(6 + step as u64 % 2, step));
+            let search = || Search { image: &image, earlier: &earlier, reach: [11, 6] };
+            let cost = |corner, place| search().ranked(corner, place);
+            let mut expected = Vec::new();
+            for y in [0, 8, 16, 24, 32, 40, 48, 53] {
+                for x in (0..16).map(|i| 8 * i).chain([122]) {
+                    let columns = || x.max(11) - 11..=(x + 11).min(122);
+                    let places =
+                        (y.max(6) - 6..=(y + 6).min(53)).flat_map(|v| columns().map(move |u| (u, v)));
+                    let (_, _, (v, u)) = places.map(|place| cost((x, y), place)).min().unwrap();
+                    expected.push((u as isize - x as isize, v as isize - y as isize));
+                }
+            }
+            assert_eq!(Simd::detect().run(search()), expected, "{step}");
+            assert_eq!(Simd::scalar().run(search()), expected, "{step}");
+            assert!(expected.iter().any(|&motion| motion != (0, 0)));
+        }
     }
 
     #[test]

@@ -103,10 +103,14 @@ pub fn select(
             SelectionRule::Activation | SelectionRule::Semantic | SelectionRule::Response => 0,
         }
     };
-    let mut ranked: Vec<usize> = (0..contenders.len()).collect();
-    ranked.sort_by_key(|&i| std::cmp::Reverse((step(i), contenders[i].response)));
+    // One word each: from the top step, response and lower index.
+    let rank =
+        |i: usize| u64::from(step(i)) << 40 | u64::from(contenders[i].response) << 32 | !(i as u32) as u64;
+    let mut ranks: Vec<u64> = (0..contenders.len()).map(rank).collect();
+    ranks.sort_unstable_by(|a, b| b.cmp(a));
+    let ranked = ranks.into_iter().map(|rank| !(rank as u32) as usize);
     let is_trusted = |i: usize| config.rule == SelectionRule::Response || activation[i] >= TRUSTED;
-    let (trusted, others): (Vec<usize>, Vec<usize>) = ranked.iter().partition(|&&i| is_trusted(i));
+    let (trusted, others): (Vec<usize>, Vec<usize>) = ranked.partition(|&i| is_trusted(i));
     let best = |of: &[usize], n: usize| match config.spread {
         Spread::Anywhere => of.iter().copied().take(n).collect(),
         Spread::Cells => spread(contenders, of, n, size),

@@ -7,8 +7,9 @@ use geometry::SE3;
 use map::Map;
 
 use super::last_frame::LastFrame;
-use super::{TrackState, Tracked, Tracker, not_tracked};
+use super::{TrackState, Tracked, Tracker};
 use crate::lost::Lost;
+use crate::params::Params;
 
 /// Inliers that suffice shortly after a loss where the pose agrees with the motion before it.
 const RESUMING_INLIERS: usize = 12;
@@ -17,7 +18,38 @@ const RESUMING_REACH: f64 = 0.25;
 /// And how far it may have turned otherwise.
 const RESUMING_ANGLE_RAD: f64 = 0.1;
 
+/// Whether the camera is lost, or was a moment ago.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Loss {
+    /// Whether the last frame got no pose.
+    pub(super) is_lost: bool,
+    /// Frames in a row that are lost although a map could be started with them.
+    startable: u32,
+    /// Until this frame few points suffice if the motion goes on as before: the map knows little of what is ahead.
+    pub(super) resuming_until: u32,
+}
+
+impl Loss {
+    /// The camera has a pose.
+    pub(super) fn end(&mut self) {
+        (self.is_lost, self.startable) = (false, 0);
+    }
+
+    /// The next frame that gets no pose may start a map.
+    pub(super) fn has_lasted(&mut self, params: &Params) {
+        self.startable = params.camera.max_lost_frames;
+    }
+}
+
 impl Tracker {
+    /// The camera has a pose. If it was lost and is where the motion before puts it, the map knows little of what is ahead.
+    pub(super) fn end_loss(&mut self, frame: &Frame, is_relocalized: bool) {
+        if self.loss.is_lost && !is_relocalized {
+            self.loss.resuming_until = frame.index + self.params.camera.max_keyframe_gap;
+        }
+        self.loss.end();
+    }
+
     /// Points of the local map that must agree with the pose of a frame.
     pub(super) fn inliers_needed(
         &self,
@@ -35,7 +67,7 @@ impl Tracker {
     fn resumes(&self, frame: &Frame, map: &Map, last: &LastFrame, cam_from_world: &SE3) -> bool {
         let is_metric = !self.params.camera.sensor.is_scale_free();
         let Some(velocity) = self.velocity.filter(|_| is_metric) else { return false };
-        if !self.is_lost && frame.index >= self.resuming_until {
+        if !self.loss.is_lost && frame.index >= self.loss.resuming_until {
             return false;
         }
         let motion = velocity.motion_over(last.seconds_to(frame));
@@ -53,20 +85,20 @@ impl Tracker {
         last: Option<LastFrame>,
         lost: Lost,
     ) -> Tracked {
-        self.is_lost = true;
+        self.loss.is_lost = true;
         self.assessor.forget();
         let tracking = &self.params.tracking;
         let could_start =
             self.params.camera.sensor.is_scale_free() || frame.n_with_depth() >= tracking.init_min_features;
-        self.lost_frames += u32::from(could_start);
-        if self.lost_frames > self.params.camera.max_lost_frames && !tracking.localize_only {
+        self.loss.startable += u32::from(could_start);
+        if self.loss.startable > self.params.camera.max_lost_frames && !tracking.localize_only {
             let started =
                 self.start(frame, last.as_ref().map_or(SE3::identity(), |last| last.cam_from_world(map)));
             if started.keyframe.is_some() {
                 return started;
             }
         }
-        let tracked = not_tracked(TrackState::Lost(lost), last.as_ref());
+        let tracked = Tracked::without_pose(TrackState::Lost(lost), last.as_ref());
         self.last = last;
         tracked
     }

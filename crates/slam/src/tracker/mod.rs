@@ -1,10 +1,12 @@
 //! Tracking: a frame and an immutable map give a pose, or a reason why there is none.
 
 mod align;
+mod answer;
 mod assessor;
 mod beliefs;
 mod directions;
 mod evidence;
+mod find_pose;
 mod inertia;
 mod initializer;
 mod keyframe_policy;
@@ -15,6 +17,7 @@ mod motion_model;
 mod predict;
 mod relocalize;
 mod residuals;
+mod start;
 mod track_reference_keyframe;
 mod turning;
 
@@ -22,13 +25,13 @@ use std::sync::Arc;
 
 use features::Frame;
 use geometry::SE3;
-use map::{KeyframeId, Map, PointCount, PointId, RelativePose};
+use map::{Map, RelativePose};
 
-use crate::assess::Assessment;
-use crate::lost::{Lost, NotReady};
+use crate::lost::NotReady;
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::world::World;
+pub use answer::{KeyframeRequest, Placement, TrackState, TrackStats, Tracked};
 use assessor::Assessor;
 use beliefs::Beliefs;
 use evidence::{Yardstick, add_evidence};
@@ -37,94 +40,10 @@ pub use initializer::{InitialPair, NoPair};
 pub use keyframe_policy::KeyframeReason;
 pub(crate) use keyframe_policy::stereo_observations;
 use last_frame::LastFrame;
-use local_map::{LocalMap, LocallyTracked};
+use local_map::LocallyTracked;
+use loss::Loss;
 use motion_model::MotionModel;
-use predict::Attempt;
 use turning::{Found, Turning};
-
-/// Outcome of a frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TrackState {
-    /// There is no map yet, and this frame cannot start one.
-    NotReady(NotReady),
-    /// This frame starts the map, or after a lasting loss a new sub-map.
-    Started,
-    /// The frame has a pose.
-    Tracked,
-    /// The frame has none.
-    Lost(Lost),
-}
-
-/// Counts of one tracked frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TrackStats {
-    /// Matches that the prediction was optimized with.
-    pub predicted: usize,
-    /// Points of the local map.
-    pub local_points: usize,
-    /// Points of the local map that should be visible.
-    pub visible: usize,
-    /// Matches before the last optimization.
-    pub matches: usize,
-    /// Inlier matches after it.
-    pub inliers: usize,
-    /// Whether the motion model failed and the reference keyframe or recovery gave the prediction.
-    pub without_motion_model: bool,
-    /// Whether the place index gave the prediction.
-    pub relocalized: bool,
-}
-
-/// Where a new keyframe belongs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Placement {
-    /// It is the first one of a sub-map.
-    NewSubmap {
-        /// Its pose in the coordinates of the sub-map.
-        cam_from_world: SE3,
-    },
-    /// It belongs to the sub-map of another keyframe; a map that changed meanwhile moves it along.
-    Near(RelativePose),
-}
-
-/// A request to insert a keyframe.
-#[derive(Clone, Debug)]
-pub struct KeyframeRequest {
-    /// The frame to insert.
-    pub frame: Arc<Frame>,
-    /// Where.
-    pub placement: Placement,
-    /// Matches of features with map points, sorted by feature.
-    pub matches: Vec<(u32, PointId)>,
-    /// Why.
-    pub reason: KeyframeReason,
-    /// Both views of a monocular start; `frame` is the second.
-    pub pair: Option<Arc<InitialPair>>,
-}
-
-/// The answer of the tracker for one frame.
-#[derive(Clone, Debug)]
-pub struct Tracked {
-    /// Outcome of the frame.
-    pub state: TrackState,
-    /// The pose, of a lost frame the last one known; `None` without a map, or while the first keyframe is being made.
-    pub pose: Option<RelativePose>,
-    /// Which points should have been seen and which were found, for the map's statistics.
-    pub counts: Vec<PointCount>,
-    /// A keyframe to insert, if one is due.
-    pub keyframe: Option<KeyframeRequest>,
-    /// Counts.
-    pub stats: TrackStats,
-    /// All matches of features with map points, sorted by feature.
-    pub matched: Vec<(u32, PointId)>,
-    /// Probability, of all that is known with this frame, that the point of each of them stands still.
-    pub trust: Vec<f32>,
-    /// Those of them that agree with the pose.
-    pub inliers: Vec<(u32, PointId)>,
-    /// How far features were moved to where their points look the same, `(feature, dx, dy)` in pixels.
-    pub shifts: Vec<(u32, f32, f32)>,
-    /// How far the pose is to be trusted.
-    pub assessment: Assessment,
-}
 
 /// The tracker's memory between two frames: the last frame and how the camera moved.
 #[derive(Clone, Debug)]
@@ -135,14 +54,10 @@ pub struct Tracker {
     initializer: Option<Initializer>,
     /// The frame that was handed over to start a sub-map and is not seen in the map yet.
     starting: Option<Arc<Frame>>,
-    /// Frames in a row that are lost although a map could be started with them.
-    lost_frames: u32,
     /// How the camera moved between the last two frames with a pose; `None` after a start or a relocalization.
     velocity: Option<MotionModel>,
-    /// Whether the last frame got no pose.
-    is_lost: bool,
-    /// Until this frame few points suffice if the motion goes on as before: the map knows little of what is ahead.
-    resuming_until: u32,
+    /// Whether it lost the camera.
+    loss: Loss,
     /// A turn on the spot that is going on.
     turning: Option<Turning>,
     /// Index of the frame that last became a keyframe.
@@ -161,10 +76,8 @@ impl Tracker {
             last: None,
             initializer: None,
             starting: None,
-            lost_frames: 0,
             velocity: None,
-            is_lost: false,
-            resuming_until: 0,
+            loss: Loss::default(),
             turning: None,
             last_keyframe_index: 0,
             assessor: Assessor::default(),
@@ -204,7 +117,7 @@ impl Tracker {
         let map = &world.map;
         if let Some(started) = &self.starting {
             let Some(first) = LastFrame::of_newest_keyframe(map, started) else {
-                return not_tracked(TrackState::NotReady(NotReady::MapStarting), None);
+                return Tracked::without_pose(TrackState::NotReady(NotReady::MapStarting), None);
             };
             self.assessor.remember(first.clone());
             self.last = Some(first);
@@ -231,10 +144,7 @@ impl Tracker {
         mapper_idle: bool,
         probe: &mut dyn Probe,
     ) -> Tracked {
-        self.lost_frames = 0;
-        if std::mem::take(&mut self.is_lost) && !local.stats.relocalized {
-            self.resuming_until = frame.index + self.params.camera.max_keyframe_gap;
-        }
+        self.end_loss(frame, local.stats.relocalized);
         self.initializer = None;
         if let Some(last) = last.filter(|_| !local.stats.relocalized) {
             let (seconds, camera) = (last.seconds_to(frame), &self.params.camera);
@@ -279,112 +189,6 @@ impl Tracker {
             shifts: local.shifts,
             assessment,
         }
-    }
-
-    /// Tries the ways of prediction in turn, each confirmed by the local map. The reason of the attempt that came
-    /// furthest is returned if all fail.
-    fn find_pose(
-        &self,
-        frame: &Frame,
-        world: &World,
-        last: Option<&LastFrame>,
-        probe: &mut dyn Probe,
-    ) -> Result<LocallyTracked, Lost> {
-        let attempts = match (last, self.velocity) {
-            (Some(_), Some(_)) if !self.is_lost => {
-                &[Attempt::Motion, Attempt::ReferenceKeyframe, Attempt::Relocalization][..]
-            }
-            (Some(_), _) => &[Attempt::ReferenceKeyframe, Attempt::Motion, Attempt::Relocalization],
-            (None, _) => &[Attempt::Relocalization],
-        };
-        let mut reason: Option<Lost> = None;
-        for &attempt in attempts {
-            let lost = match self.attempt(attempt, frame, world, last, probe) {
-                Ok(local) => return Ok(local),
-                Err(lost) => lost,
-            };
-            reason = Some(reason.map_or(lost, |earlier| earlier.further(lost)));
-        }
-        Err(reason
-            .unwrap_or(Lost::TooFewMatches { found: 0, needed: self.params.tracking.min_reference_matches }))
-    }
-
-    /// One way of prediction, confirmed by the local map.
-    fn attempt(
-        &self,
-        attempt: Attempt,
-        frame: &Frame,
-        world: &World,
-        last: Option<&LastFrame>,
-        probe: &mut dyn Probe,
-    ) -> Result<LocallyTracked, Lost> {
-        let (map, tracking) = (&world.map, &self.params.tracking);
-        let predicted = staged(probe, Stage::Predict, || self.predict(attempt, frame, world, last))?;
-        let fallback = last.map_or(KeyframeId(0), |last| last.pose.keyframe);
-        let local = staged(probe, Stage::LocalMap, || {
-            let local = LocalMap::gather(map, &predicted.matches, fallback, tracking);
-            local.track(frame, map, &predicted, &self.params)
-        });
-        let needed = self.inliers_needed(frame, map, last, &local.cam_from_world);
-        let found = local.matches.len();
-        if found < needed {
-            return Err(Lost::TooFewLocalInliers { found, needed });
-        }
-        let inertia =
-            last.filter(|_| attempt != Attempt::Relocalization).and_then(|l| self.inertia(frame, map, l));
-        inertia.map_or(Ok(()), |inertia| inertia.check(&local.cam_from_world))?;
-        Ok(local)
-    }
-
-    /// Asks for the first keyframe of a sub-map, at the given pose, if the frame has enough depth, or for the first
-    /// two if there is one camera only and it has moved enough.
-    fn start(&mut self, frame: &Arc<Frame>, cam_from_world: SE3) -> Tracked {
-        let (found, needed) = (frame.n_with_depth(), self.params.tracking.init_min_features);
-        let mut pair = None;
-        if self.params.camera.sensor.is_scale_free() {
-            match Initializer::advance(&mut self.initializer, frame, cam_from_world, &self.params) {
-                Ok(found) => pair = Some(Arc::new(found)),
-                Err(reason) => return not_tracked(TrackState::NotReady(NotReady::NoPair(reason)), None),
-            }
-        } else if found < needed {
-            let reason = NotReady::TooFewDepths { found, needed, features: frame.len() };
-            return not_tracked(TrackState::NotReady(reason), None);
-        }
-        self.last_keyframe_index = frame.index;
-        self.velocity = None;
-        self.turning = None;
-        self.last = None;
-        self.assessor.forget();
-        self.lost_frames = 0;
-        self.is_lost = false;
-        self.starting = Some(frame.clone());
-        let request = KeyframeRequest {
-            frame: frame.clone(),
-            placement: Placement::NewSubmap {
-                cam_from_world: pair.as_ref().map_or(cam_from_world, |pair| pair.second_from_world),
-            },
-            matches: Vec::new(),
-            reason: KeyframeReason::First,
-            pair,
-        };
-        let assessment = Assessment::of_start();
-        Tracked { keyframe: Some(request), assessment, ..not_tracked(TrackState::Started, None) }
-    }
-}
-
-/// The answer for a frame without a pose of its own.
-fn not_tracked(state: TrackState, last: Option<&LastFrame>) -> Tracked {
-    Tracked {
-        state,
-        pose: last.map(|last| last.pose),
-        counts: Vec::new(),
-        keyframe: None,
-        stats: TrackStats::default(),
-        matched: Vec::new(),
-        trust: Vec::new(),
-        inliers: Vec::new(),
-        shifts: Vec::new(),
-        assessment: Assessment::default(),
     }
 }
 

@@ -75,7 +75,7 @@ impl Tracker {
         let predicted = velocity.motion_over(last.seconds_to(frame)) * rest;
         let moving = self.predict_at(&predicted, self.inertia(frame, map, last), frame, map, last);
         match moving {
-            Err(lost) if self.is_lost => {
+            Err(lost) if self.loss.is_lost => {
                 self.predict_at(&rest, None, frame, map, last).map_err(|l| lost.further(l))
             }
             moving => moving,
@@ -85,7 +85,7 @@ impl Tracker {
     /// Where the camera would be had it gone on as before. Inertia is in meters, and says nothing of a camera that nobody saw.
     pub(super) fn inertia(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Option<Inertia> {
         let velocity =
-            self.velocity.filter(|_| !self.is_lost && !self.params.camera.sensor.is_scale_free())?;
+            self.velocity.filter(|_| !self.loss.is_lost && !self.params.camera.sensor.is_scale_free())?;
         let seconds = last.seconds_to(frame);
         Some(Inertia { predicted: velocity.motion_over(seconds) * last.cam_from_world(map), seconds })
     }
@@ -139,7 +139,7 @@ impl Tracker {
                 cam_from_world,
                 matches,
                 attempt: Attempt::Motion,
-                after_loss: self.is_lost,
+                after_loss: self.loss.is_lost,
             });
         }
         Err(lost)

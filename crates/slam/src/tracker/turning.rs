@@ -13,7 +13,7 @@ use super::last_frame::LastFrame;
 use super::local_map::{LocalMap, LocallyTracked};
 use super::motion_model::MotionModel;
 use super::predict::{Attempt, Prediction};
-use super::{TrackState, TrackStats, Tracked, Tracker, not_tracked};
+use super::{TrackState, TrackStats, Tracked, Tracker};
 use crate::assess::{Assessment, QualityReason};
 use crate::lost::Lost;
 use crate::params::Params;
@@ -137,13 +137,13 @@ impl Tracker {
                 return Found::Held(Box::new(self.hold(turning, frame, map, last, seen.inliers)));
             }
             // Blurred, or the camera moves on. What the map shows is out of view: nothing is gained by waiting with a new one.
-            self.lost_frames = self.params.camera.max_lost_frames;
+            self.loss.has_lasted(&self.params);
             missed = (turning.missed <= MAX_MISSED).then_some(turning);
         }
         let found = self.find_pose(frame, world, last, probe);
         let is_weak = found.as_ref().map_or(true, |local| local.matches.len() < MIN_POINTS);
         if is_weak
-            && !self.is_lost
+            && !self.loss.is_lost
             && let Some(mut turning) = last.and_then(|last| self.begin_turn(map, last))
             && let Some(seen) = turning.follow(frame, &self.params)
         {
@@ -172,12 +172,11 @@ impl Tracker {
         self.last = Some(LastFrame::new(frame.clone(), pose, &[]));
         self.assessor.forget();
         self.initializer = None;
-        self.lost_frames = 0;
-        self.is_lost = false;
+        self.loss.end();
         let stats = TrackStats { inliers: agreeing, ..TrackStats::default() };
         let reasons = vec![QualityReason::TurningOnTheSpot];
         let assessment = Assessment { quality: QUALITY, reasons, ..Assessment::default() };
-        Tracked { pose: Some(pose), stats, assessment, ..not_tracked(TrackState::Tracked, None) }
+        Tracked { pose: Some(pose), stats, assessment, ..Tracked::without_pose(TrackState::Tracked, None) }
     }
 
     /// Looks for the map's points from where a turning camera is held. Few, at the rim of the image, do not say where it is.

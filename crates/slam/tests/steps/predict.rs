@@ -133,7 +133,7 @@ fn after_a_loss_the_camera_may_have_gone_on_or_stayed() {
     for (is_lost, pose, is_found) in
         [(true, on, true), (true, SE3::identity(), true), (false, SE3::identity(), false)]
     {
-        tracker.is_lost = is_lost;
+        tracker.loss.is_lost = is_lost;
         let found = tracker.predict_by_motion(&scene.frame(1, &pose, &all(N)), &map, &last);
         assert_eq!(found.is_ok(), is_found);
         if let Ok(found) = found {

@@ -1,6 +1,7 @@
 //! The tracker from frame to frame: what it remembers, when it gives up, when it begins anew.
 
 use super::*;
+use crate::lost::Lost;
 use crate::probe::NoProbe;
 use crate::scene::{Scene, Shot, at, described, params, shot};
 
@@ -97,7 +98,7 @@ fn after_a_loss_few_points_suffice_where_the_camera_went_on_as_before() {
     );
     // Until the map knows what is ahead.
     track(&mut tracker, &fifteen(8, 0.3), &world);
-    let end = tracker.resuming_until;
+    let end = tracker.loss.resuming_until;
     assert_eq!(end, 8 + tracker.params.camera.max_keyframe_gap);
     let state = |index, x| track(&mut tracker.clone(), &fifteen(index, x), &world).state;
     assert_eq!(state(9, 0.35), TrackState::Tracked);
