@@ -66,7 +66,8 @@ fn run(gate: f64) -> Driven {
         if tracked.keyframe.is_some() {
             let id = mapper.world().map.newest_keyframe().expect("a keyframe was inserted");
             if let LoopOutcome::Closed(found) = closer.detect(id, mapper.world(), &mut NoProbe) {
-                let frame_of = |k| mapper.world().map.keyframe(k).unwrap().frame.index as usize;
+                let frame_of =
+                    |k| mapper.world().map.keyframe(k).expect("it is in the map").frame.index as usize;
                 let [here, there] = [found.keyframe, found.matched].map(|k| truth[frame_of(k)].translation);
                 driven.closed.push((i, (here - there).norm(), found.correction.taken_back.len()));
                 mapper.close_loop(&found, &mut NoProbe).expect("the map takes the loop");
@@ -90,17 +91,17 @@ fn run(gate: f64) -> Driven {
 
 /// Share of the observations that are 5 pixels or more from where their point is in the map.
 fn torn_observations(map: &Map) -> f64 {
-    let (mut torn, mut all) = (0, 0);
+    let (mut torn, mut all) = (0.0, 0.0);
     for point in map.points() {
         for seen in point.observations() {
-            let keyframe = map.keyframe(seen.keyframe).unwrap();
+            let keyframe = map.keyframe(seen.keyframe).expect("an observer");
             let uvr = keyframe.frame.rig.stereo.project(&(keyframe.cam_from_world * point.position));
             let [x, y] = keyframe.frame.pixel(seen.feature as usize).into();
-            torn += usize::from((uvr.x - x).hypot(uvr.y - y) > 5.0);
-            all += 1;
+            torn += f64::from((uvr.x - x).hypot(uvr.y - y) > 5.0);
+            all += 1.0;
         }
     }
-    f64::from(u32::try_from(torn).unwrap()) / f64::from(all)
+    torn / all
 }
 
 #[test]

@@ -81,7 +81,7 @@ impl LoopCloser {
             Ok(candidates) => candidates,
             Err(reason @ (NoLoop::NoPlaces | NoLoop::TooEarly { .. })) => return LoopOutcome::None(reason),
             Err(reason) => {
-                return match self.from_out_of_reach(keyframe, world, probe) {
+                return match self.close_out_of_reach(keyframe, world, probe) {
                     Some(found) => self.closed(found),
                     None => LoopOutcome::None(reason),
                 };
@@ -94,7 +94,7 @@ impl LoopCloser {
                 Err(reason) => refused = refused.or(Some((candidate, reason))),
             }
         }
-        if let Some(found) = self.from_out_of_reach(keyframe, world, probe) {
+        if let Some(found) = self.close_out_of_reach(keyframe, world, probe) {
             return self.closed(found);
         }
         match refused {
@@ -114,7 +114,7 @@ impl LoopCloser {
     }
 
     /// The correction by a place that would be within reach if one of the loops had not been closed, and takes that one back.
-    fn from_out_of_reach(
+    fn close_out_of_reach(
         &mut self,
         keyframe: KeyframeId,
         world: &World,
