@@ -8,7 +8,7 @@ use geometry::SE3;
 use crate::ids::Id;
 use crate::{KeyframeId, Map};
 
-/// A loop that was closed within a sub-map.
+/// A loop that was closed within a sub-map, with 112 bytes for each of its keyframes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosedLoop {
     /// The keyframe of the earlier visit.
