@@ -41,6 +41,8 @@ struct Drive {
     /// node_from_world along the odometry.
     nodes: Vec<SE3>,
     motions: Vec<SE3>,
+    /// Length of the path up to each node.
+    path_m: Vec<f64>,
     truth: Vec<Vec3>,
     candidates: Vec<(u32, u32)>,
     are_true: Vec<(u32, u32)>,
@@ -66,10 +68,16 @@ impl Drive {
             let mut ids = line.split_whitespace().map(|word| word.parse().expect("a node"));
             (ids.next().expect("a node"), ids.next().expect("another node"))
         });
+        let mut path_m = vec![0.0];
+        path_m.extend(path.iter().scan(0.0, |sum, motion| {
+            *sum += motion.translation.norm();
+            Some(*sum)
+        }));
         let centers = |motions: &[SE3]| chain(motions).iter().map(SE3::center).collect();
         Some(Drive {
             nodes: chain(&path),
             truth: centers(&truth),
+            path_m,
             motions: path,
             candidates,
             are_true: are_true.collect(),
@@ -83,12 +91,7 @@ impl Drive {
 
     /// Offers all candidates; `forced` ones are accepted as if there was no gate.
     fn offer_all(&self, drift: &DriftModel, forced: &[(u32, u32)]) -> Answer {
-        let mut path_m = vec![0.0];
-        path_m.extend(self.motions.iter().scan(0.0, |sum, motion| {
-            *sum += motion.translation.norm();
-            Some(*sum)
-        }));
-        let along = |a: u32, b: u32| path_m[a as usize] - path_m[b as usize];
+        let along = |a: u32, b: u32| self.along(a, b);
         let mut answer = Answer {
             accepted: Vec::new(),
             taken_back: Vec::new(),
@@ -120,12 +123,17 @@ impl Drive {
             }
             let verdict = self.test(&answer.nodes, &answer.accepted, (now, then), drift);
             if !is_near || !verdict.is_consistent() {
-                self.doubt(&mut doubts, &mut answer, (now, then), verdict.numbers().sigmas(), drift);
+                self.doubt(&mut doubts, &mut answer, (now, then), verdict.strain(), drift);
             } else {
                 self.accept(&mut answer, &[(now, then)], drift);
             }
         }
         answer
+    }
+
+    /// Path between two nodes, meters.
+    fn along(&self, a: u32, b: u32) -> f64 {
+        self.path_m[a as usize] - self.path_m[b as usize]
     }
 
     /// How a candidate agrees with the path up to it and these loops.
@@ -170,16 +178,18 @@ impl Drive {
         doubts: &mut Doubts<(u32, u32), ()>,
         answer: &mut Answer,
         ends: (u32, u32),
-        sigmas: f64,
+        refused: f64,
         drift: &DriftModel,
     ) {
-        let accepted = answer.accepted.clone();
+        let (accepted, nodes_now) = (answer.accepted.clone(), answer.nodes.clone());
         let others = |one: (u32, u32)| accepted.iter().copied().filter(move |&l| l != one);
         let without: Vec<_> = self.without_each(answer, drift).collect();
-        let verdict =
-            |one: (u32, u32), nodes: &[SE3]| self.test(nodes, &others(one).collect::<Vec<_>>(), ends, drift);
-        let verdicts: Vec<_> = without.iter().map(|(one, nodes)| verdict(**one, nodes)).collect();
-        let Some(at) = culprit(sigmas, &verdicts) else { return };
+        let reach = |nodes: &[SE3]| drift.strain(gap(nodes, ends), self.along(ends.0, ends.1));
+        let with_all = refused.max(reach(&nodes_now));
+        let left = |&(one, nodes): &(&(u32, u32), &Vec<SE3>)| {
+            self.test(nodes, &others(*one).collect::<Vec<_>>(), ends, drift).strain().max(reach(nodes))
+        };
+        let Some(at) = culprit(with_all, &without.iter().map(left).collect::<Vec<_>>()) else { return };
         let (one, nodes) = (*without[at].0, without[at].1.clone());
         let agrees = |w: &Witness<()>| {
             let loops: Vec<_> = others(one).chain([(w.now, w.then)]).collect();

@@ -5,8 +5,6 @@
 //! passes the test that has the first one in the loop's place. A wrong loop is then outvoted, two to one; a right one is
 //! safe from any single mistake, and from several that do not agree.
 
-use super::LoopVerdict;
-
 /// A candidate that passes once an earlier loop is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Witness<M> {
@@ -23,14 +21,14 @@ pub struct Witness<M> {
 const MAX_LEFT: f64 = 0.5;
 
 /// The loop at fault for a refused candidate, by its place in the list: without it the candidate passes, and at most half of the
-/// contradiction ([`LoopNumbers::sigmas`](super::LoopNumbers::sigmas)) is left of what there is with all loops, and of what
-/// there is without any one of the others.
-pub fn culprit(with_all: f64, without: &[LoopVerdict]) -> Option<usize> {
-    let left = |at: &usize| without[*at].numbers().sigmas();
-    let best = (0..without.len()).min_by(|a, b| left(a).total_cmp(&left(b)))?;
-    let others = (0..without.len()).filter(|&at| at != best).map(|at| left(&at));
-    let is_clear = others.chain([with_all]).all(|other| left(&best) <= MAX_LEFT * other);
-    (is_clear && without[best].is_consistent()).then_some(best)
+/// contradiction is left of what there is with all loops, and of what there is without any one of the others. Contradictions are
+/// in parts of what is allowed: [`LoopVerdict::strain`](super::LoopVerdict::strain) and
+/// [`DriftModel::strain`](super::DriftModel::strain), the larger one.
+pub fn culprit(with_all: f64, without: &[f64]) -> Option<usize> {
+    let best = (0..without.len()).min_by(|&a, &b| without[a].total_cmp(&without[b]))?;
+    let others = (0..without.len()).filter(|&at| at != best).map(|at| without[at]);
+    let is_clear = others.chain([with_all]).all(|other| without[best] <= MAX_LEFT * other);
+    (is_clear && without[best] <= 1.0).then_some(best)
 }
 
 /// Witnesses against loops `L` heard so far.
@@ -70,7 +68,6 @@ impl<L: Copy + PartialEq, M: Copy> Doubts<L, M> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Inconsistency, LoopNumbers};
     use super::*;
 
     fn witness(now: u32) -> Witness<f64> {
@@ -79,17 +76,11 @@ mod tests {
 
     #[test]
     fn the_culprit_is_the_one_loop_without_which_most_is_gone() {
-        let numbers = |sigmas| LoopNumbers { candidate_residual: sigmas, ..LoopNumbers::default() };
-        let passed = |sigmas| LoopVerdict::Consistent(numbers(sigmas));
-        let refused = |sigmas| LoopVerdict::Inconsistent {
-            reason: Inconsistency::Translation { sigmas },
-            numbers: numbers(sigmas),
-        };
-        assert_eq!(culprit(15.0, &[refused(15.0), passed(0.4), passed(3.1)]), Some(1));
-        assert_eq!(culprit(15.0, &[passed(0.4), passed(0.5)]), None, "either");
-        assert_eq!(culprit(15.0, &[refused(5.0), refused(15.0)]), None, "neither");
-        assert_eq!(culprit(4.1, &[passed(3.9)]), None, "a little slack");
-        assert_eq!(culprit(15.0, &[]), None);
+        assert_eq!(culprit(4.0, &[4.0, 0.1, 0.8]), Some(1));
+        assert_eq!(culprit(4.0, &[0.4, 0.5]), None, "either");
+        assert_eq!(culprit(4.0, &[1.2, 4.0]), None, "neither");
+        assert_eq!(culprit(1.1, &[0.9]), None, "a little slack");
+        assert_eq!(culprit(4.0, &[]), None);
     }
 
     #[test]

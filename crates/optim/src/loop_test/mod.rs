@@ -98,7 +98,7 @@ pub struct LoopNumbers {
 
 impl LoopNumbers {
     /// The largest of all that was measured, in its standard deviations.
-    pub fn sigmas(&self) -> f64 {
+    fn sigmas(&self) -> f64 {
         let closures = [
             (self.rotation_closure_deg, self.rotation_sigma_deg),
             (self.translation_closure_m, self.translation_sigma_m),
@@ -162,10 +162,16 @@ impl LoopVerdict {
         matches!(self, LoopVerdict::Consistent(_))
     }
 
-    /// What was measured, as far as it was.
-    pub fn numbers(&self) -> &LoopNumbers {
+    /// How far the candidate goes in what the default gates allow: above 1 if it is refused, without limit if it could not be tested.
+    pub fn strain(&self) -> f64 {
+        let of = |numbers: &LoopNumbers| numbers.sigmas() / CHI2_CLOSURE.sqrt();
         match self {
-            LoopVerdict::Consistent(numbers) | LoopVerdict::Inconsistent { numbers, .. } => numbers,
+            LoopVerdict::Consistent(numbers) => of(numbers),
+            LoopVerdict::Inconsistent {
+                reason: Inconsistency::BadInput { .. } | Inconsistency::NoCycle | Inconsistency::Convex(_),
+                ..
+            } => f64::INFINITY,
+            LoopVerdict::Inconsistent { numbers, .. } => of(numbers),
         }
     }
 }

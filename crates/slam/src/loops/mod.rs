@@ -125,9 +125,7 @@ impl LoopCloser {
         found.into_iter().find_map(|candidate| {
             let verified = self.verify(keyframe, candidate, world, probe).ok()?;
             staged(probe, Stage::PoseGraph, || {
-                let verdict = correct::test(keyframe, &verified, &world.map, &self.params, None)?;
-                let refused = (&verified, verdict.numbers().sigmas());
-                take_back::hear(&mut self.doubts, keyframe, refused, world, &self.params)
+                take_back::hear(&mut self.doubts, keyframe, &verified, world, &self.params)
             })
         })
     }
@@ -162,8 +160,7 @@ impl LoopCloser {
         staged(probe, Stage::PoseGraph, || {
             match correct::correct(keyframe, &verified, &world.map, &self.params, None) {
                 Err(NoLoop::Inconsistent { reason, numbers }) => {
-                    let refused = (&verified, numbers.sigmas());
-                    take_back::hear(&mut self.doubts, keyframe, refused, world, &self.params)
+                    take_back::hear(&mut self.doubts, keyframe, &verified, world, &self.params)
                         .ok_or(NoLoop::Inconsistent { reason, numbers })
                 }
                 other => other,

@@ -44,6 +44,14 @@ impl PositionPrior {
         self.drift.can_meet((here - there).norm(), (now - then).abs())
     }
 
+    /// How far away another keyframe is, over how far the current one may be; 0 for a keyframe of another sub-map.
+    pub(super) fn strain(&self, other: KeyframeId) -> f64 {
+        let (Some((here, now)), Some((there, then))) = (self.current, find(&self.along, other)) else {
+            return 0.0;
+        };
+        self.drift.strain((here - there).norm(), (now - then).abs())
+    }
+
     /// The nearest keyframes that are `wanted`, within the margin, nearest first; of equals the older one.
     pub(super) fn nearby(&self, most: usize, wanted: impl Fn(KeyframeId) -> bool) -> Vec<KeyframeId> {
         let Some((here, _)) = self.current else { return Vec::new() };

@@ -31,26 +31,28 @@ struct Without {
 pub(super) fn hear(
     doubts: &mut Doubts<Name, SE3>,
     keyframe: KeyframeId,
-    (refused, sigmas): (&Verified, f64),
+    refused: &Verified,
     world: &World,
     params: &Params,
 ) -> Option<LoopCorrection> {
     let map = &world.map;
     doubts.keep(|name| map.loops().iter().any(|closed| name == (closed.matched, closed.keyframe)));
-    let mut tried: Vec<(Without, Verified)> = Vec::new();
-    let mut verdicts = Vec::new();
+    let strain = |verified: &Verified, map: &Map| {
+        let verdict = test(keyframe, verified, map, params, None)?;
+        let reach = PositionPrior::new(map, keyframe, &params.camera).strain(verified.matched);
+        Some(verdict.strain().max(reach))
+    };
+    let (mut tried, mut left) = (Vec::new(), Vec::new());
     for closed in suspects(keyframe, refused, map) {
-        let Some(without) = Without::new(world, closed, params) else { continue };
-        let Ok(verified) = verify(refused.matched, keyframe, &without.world, params) else { continue };
-        let map = &without.world.map;
-        let Some(verdict) = test(keyframe, &verified, map, params, None) else { continue };
-        if !PositionPrior::new(map, keyframe, &params.camera).allows(refused.matched) {
-            continue;
+        if let Some(without) = Without::new(world, closed, params)
+            && let Ok(verified) = verify(refused.matched, keyframe, &without.world, params)
+            && let Some(strain) = strain(&verified, &without.world.map)
+        {
+            tried.push((without, verified));
+            left.push(strain);
         }
-        tried.push((without, verified));
-        verdicts.push(verdict);
     }
-    let (without, verified) = tried.swap_remove(culprit(sigmas, &verdicts)?);
+    let (without, verified) = tried.swap_remove(culprit(strain(refused, map)?, &left)?);
     let map_without = &without.world.map;
     let there = map_without.keyframe(verified.matched)?.cam_from_world;
     let witness = Witness {
