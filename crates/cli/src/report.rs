@@ -58,6 +58,9 @@ fn counts(text: &mut String, s: &Summary) {
 /// Loops, sub-maps and relocalizations.
 fn places(s: &Summary) -> String {
     let mut places = format!("{} loops closed, {} rejected", s.loops, s.loops_rejected);
+    if s.loops_taken_back > 0 {
+        let _ = write!(places, ", {} taken back", s.loops_taken_back);
+    }
     if s.relocalizations > 0 {
         let _ = write!(places, ", {} relocalizations", s.relocalizations);
     }

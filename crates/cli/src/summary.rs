@@ -43,6 +43,8 @@ pub(crate) struct Summary {
     pub(crate) submaps: usize,
     /// Loops closed.
     pub(crate) loops: usize,
+    /// Of those: taken back later, as loops that contradict them were found.
+    pub(crate) loops_taken_back: usize,
     /// Loops looked at closely and rejected.
     pub(crate) loops_rejected: usize,
     /// Sub-maps joined to another one by a loop.
@@ -245,6 +247,7 @@ impl Summary {
             points: outcome.map.n_points(),
             submaps: outcome.map.roots().len(),
             loops: statistics.loops_closed,
+            loops_taken_back: statistics.loops_taken_back,
             loops_rejected: statistics.loops_rejected,
             submaps_joined: statistics.submaps_joined,
             relocalizations: statistics.relocalizations,

@@ -53,6 +53,10 @@ pub(crate) fn loops_csv(loops: &[LoopRecord]) -> String {
             }
             LoopResult::Rejected(reason) => ("rejected", ",,,".to_owned(), csv_field(reason)),
             LoopResult::Refused(reason) => ("refused", ",,,".to_owned(), csv_field(reason)),
+            LoopResult::TakenBack { by } => {
+                let reason = format!("the loop from frame {by} contradicts it");
+                ("taken back", ",,,".to_owned(), reason)
+            }
         };
         let (frame, matched) = (record.frame, record.matched_frame);
         text.push_str(&format!("{frame},{matched},{result},{numbers},{reason}\n"));
@@ -147,6 +151,8 @@ pub(crate) mod tests {
         assert_eq!(lines[1], "90,2,closed,80,1.2500,0.5000,false,");
         assert_eq!(lines[2], "90,2,rejected,,,,,\"too far, by 9 m\"");
         assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
+        let text = loops_csv(&[of(LoopResult::TakenBack { by: 140 })]);
+        assert!(text.ends_with("\n90,2,taken back,,,,,the loop from frame 140 contradicts it\n"), "{text}");
     }
 
     #[test]

@@ -23,6 +23,7 @@ impl Map {
         self.check_covisibility(&mut found);
         self.check_tree(&mut found);
         self.check_loop_edges(&mut found);
+        self.check_closed_loops(&mut found);
         self.check_numbers(&mut found);
         if found.is_empty() { Ok(()) } else { Err(found) }
     }

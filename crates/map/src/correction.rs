@@ -25,8 +25,11 @@ pub struct Correction {
     pub joined: Vec<(KeyframeId, KeyframeId)>,
     /// Pairs (keep, drop) that are the same point.
     pub merged: Vec<(PointId, PointId)>,
-    /// Pairs of keyframes that the loop joins.
+    /// Pairs of keyframes that the loop joins, the earlier visit first.
     pub loop_edges: Vec<(KeyframeId, KeyframeId)>,
+    /// Closed loops to be taken back before all else, as (keyframe of the earlier visit, keyframe of the later one); see
+    /// [`Map::loops`].
+    pub taken_back: Vec<(KeyframeId, KeyframeId)>,
 }
 
 /// Where a correction puts a keyframe.
@@ -50,6 +53,8 @@ impl KeyframeCorrection {
 impl Map {
     /// Applies a correction to the map as it is now.
     ///
+    /// Loops to be taken back are so first, which moves keyframes; all that follows, scales too, is meant for the map without them.
+    ///
     /// Listed keyframes take their new pose. Unlisted ones inserted after `seen_revision` keep their pose relative to
     /// their spanning-tree parent (of the tree before anything is joined), its translation times the parent's scale,
     /// and pass that scale on; other unlisted ones stay. Listed points take their new position, the others keep their
@@ -64,8 +69,25 @@ impl Map {
     /// thing twice, or two keyframes to join are in one sub-map (by an earlier pair, for instance).
     pub fn apply_correction(&mut self, correction: &Correction) -> Result<(), MapError> {
         self.validate_correction(correction)?;
+        if correction.taken_back.is_empty() {
+            return self.apply_valid(correction);
+        }
+        let mut without = self.clone();
+        without.take_back(&correction.taken_back)?;
+        without.apply_valid(correction)?;
+        *self = without;
+        Ok(())
+    }
+
+    fn apply_valid(&mut self, correction: &Correction) -> Result<(), MapError> {
         let motion = self.motion_of(correction)?;
 
+        if correction.joined.is_empty() {
+            self.note_loops(&correction.loop_edges);
+        } else {
+            // Poses of before would be in coordinates that are gone.
+            self.loops.clear();
+        }
         self.write_motion(&motion);
         self.join_submaps(&correction.joined);
         self.merge_pairs(&correction.merged);

@@ -4,7 +4,7 @@ use features::{Frame, Rig, ScaleLevels};
 use geometry::{Distortion, Pinhole, SE3, Vec3};
 
 use crate::ids::Id;
-use crate::{Keyframe, KeyframeId, Map, MapPoint, PointId};
+use crate::{ClosedLoop, Keyframe, KeyframeId, Map, MapPoint, PointId};
 
 /// FNV-1a over 64-bit words, with a final shift so that high bits reach low ones.
 struct Hasher(u64);
@@ -101,6 +101,18 @@ impl Hasher {
             self.word(u64::from(o.feature));
         }
     }
+
+    fn closed_loop(&mut self, closed: &ClosedLoop) {
+        self.keyframe_ids(&[closed.matched, closed.keyframe, closed.next]);
+        self.keyframe_ids(&closed.visit);
+        self.keyframe_ids(&closed.near);
+        self.word(closed.before.len() as u64);
+        for (id, cam_from_world, scale) in &closed.before {
+            self.id(Some(*id));
+            self.pose(cam_from_world);
+            self.float(*scale);
+        }
+    }
 }
 
 impl Map {
@@ -130,6 +142,7 @@ impl Map {
                 None => h.id(self.points.forward(id).copied()),
             }
         }
+        self.loops.iter().for_each(|closed| h.closed_loop(closed));
         h.0
     }
 }

@@ -113,6 +113,14 @@ pub enum MapError {
         /// What is wrong with it.
         defect: PoseDefect,
     },
+    /// No such loop stands, or it cannot be taken back.
+    #[error("no loop from keyframe {keyframe} to {matched} can be taken back")]
+    NoLoop {
+        /// The keyframe of the earlier visit given.
+        matched: KeyframeId,
+        /// The keyframe of the later visit given.
+        keyframe: KeyframeId,
+    },
     /// A point cannot be merged with itself.
     #[error("point {point} cannot be merged with itself")]
     MergeWithItself {

@@ -24,6 +24,18 @@ impl Map {
         Some(at)
     }
 
+    /// The keyframes of a keyframe's sub-map, in order of their ids; none if the id was never given out.
+    pub fn submap_members(&self, keyframe: KeyframeId) -> Vec<KeyframeId> {
+        let mut members = Vec::new();
+        let mut open: Vec<KeyframeId> = self.submap_of(keyframe).into_iter().collect();
+        while let Some(id) = open.pop() {
+            members.push(id);
+            open.extend(self.keyframes.live(id).children());
+        }
+        members.sort_unstable();
+        members
+    }
+
     /// Gives a new keyframe its place; without a parent it is the root of a sub-map.
     pub(crate) fn hang(&mut self, id: KeyframeId, parent: Option<KeyframeId>) {
         self.keyframes.live_mut(id).parent = parent;

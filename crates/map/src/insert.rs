@@ -174,7 +174,7 @@ impl Map {
         id
     }
 
-    fn add_point(&mut self, new: NewPoint, change: &mut CovisibilityChange) -> PointId {
+    pub(crate) fn add_point(&mut self, new: NewPoint, change: &mut CovisibilityChange) -> PointId {
         let mut observations = new.observations;
         observations.sort_unstable();
         let id = self.next_point_id();

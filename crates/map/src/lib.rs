@@ -15,6 +15,7 @@
 //! | covisibility weights equal the counted shared points, symmetric, sorted | `covisibility.rs` |
 //! | the spanning trees have one root per sub-map and no cycle | `forest.rs`, `remove.rs` |
 //! | loop edges are symmetric | `correction.rs`, `remove.rs` |
+//! | what is kept of closed loops names ids that were given out, in order | `closed_loop.rs`, `take_back.rs` |
 //! | no id names a removed thing ([`MapPoint::created_by`], a fact of the past, excepted) | `remove.rs` |
 //! | all numbers are finite, rotations are rotations, scales positive | validation |
 //! | descriptor, normal and distance range of a point are those of its observations | `derived.rs` |
@@ -30,6 +31,7 @@
 mod arena;
 mod changes;
 mod check;
+mod closed_loop;
 mod correction;
 mod covisibility;
 mod derived;
@@ -46,12 +48,14 @@ mod observations;
 mod point;
 mod relative_pose;
 mod remove;
+mod take_back;
 #[cfg(test)]
 mod tests;
 mod validate;
 
 pub use changes::Changes;
 pub use check::Violation;
+pub use closed_loop::ClosedLoop;
 pub use correction::{Correction, KeyframeCorrection};
 pub use error::{MapError, PoseDefect};
 pub use file::{MapFileError, MapFileInfo};

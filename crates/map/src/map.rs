@@ -1,11 +1,14 @@
 //! The map itself: what it holds and every query.
 
 use std::fmt;
+use std::sync::Arc;
 
 use geometry::SE3;
 
 use crate::arena::Arena;
+use crate::closed_loop::ClosedLoop;
 use crate::ids::Id;
+use crate::take_back::TakenBack;
 use crate::{Keyframe, KeyframeId, MapPoint, Observation, PointId};
 
 /// A point is young while the keyframe that was newest when it was made is one of this many newest inserted keyframes
@@ -21,6 +24,10 @@ pub struct Map {
     /// The keyframes without a parent, one per sub-map, in order of their ids.
     pub(crate) roots: Vec<KeyframeId>,
     pub(crate) revision: u64,
+    /// See [`Map::loops`](crate::Map::loops).
+    pub(crate) loops: Vec<Arc<ClosedLoop>>,
+    /// Loops that were taken back in this run: of use to poses that were noted before, and no part of the map's content.
+    pub(crate) taken_back: Vec<Arc<TakenBack>>,
     /// For each of the newest [`PROBATION_KEYFRAMES`] keyframes, oldest first, the first point id that it could create.
     pub(crate) first_young: Vec<PointId>,
 }
@@ -58,6 +65,8 @@ impl Map {
             points: Arena::new(),
             roots: Vec::new(),
             revision: 0,
+            loops: Vec::new(),
+            taken_back: Vec::new(),
             first_young: Vec::new(),
         }
     }

@@ -114,8 +114,11 @@ impl Finished {
                     row.set_item("joined", *joined)?;
                     ("closed", None)
                 }
-                LoopResult::Rejected(reason) => ("rejected", Some(reason)),
-                LoopResult::Refused(reason) => ("refused", Some(reason)),
+                LoopResult::Rejected(reason) => ("rejected", Some(reason.clone())),
+                LoopResult::Refused(reason) => ("refused", Some(reason.clone())),
+                LoopResult::TakenBack { by } => {
+                    ("taken back", Some(format!("the loop from frame {by} contradicts it")))
+                }
             };
             row.set_item("state", state)?;
             row.set_item("reason", reason)?;

@@ -197,6 +197,11 @@ pub enum LoopResult {
     Rejected(String),
     /// The map refused the correction, with the reason.
     Refused(String),
+    /// It had been closed, and was taken back for loops that contradict it; the last of them is closed instead.
+    TakenBack {
+        /// Number of the frame that this one starts from.
+        by: u32,
+    },
 }
 
 /// How often things happened in a run.
@@ -204,6 +209,8 @@ pub enum LoopResult {
 pub struct Statistics {
     /// Loops closed.
     pub loops_closed: usize,
+    /// Loops that were closed and taken back later.
+    pub loops_taken_back: usize,
     /// Loops looked at and rejected, or refused by the map.
     pub loops_rejected: usize,
     /// Global bundle adjustments applied.

@@ -197,6 +197,10 @@ fn of_loop(record: &LoopRecord) -> Words {
                 .with("moved_m", *moved_m)
                 .with("joined", *joined)
         }
+        LoopResult::TakenBack { by } => {
+            let text = format!("{way} taken back: the loop from frame {by} contradicts it");
+            Words::new(Weight::Warning, "loop_taken_back", text).with("by", *by)
+        }
         LoopResult::Rejected(reason) => {
             Words::new(Weight::Info, "loop_rejected", format!("{way} rejected: {reason}"))
                 .with("reason", reason.as_str())
@@ -287,6 +291,12 @@ mod tests {
             "loop from frame 90 to 2 closed, joining two sub-maps: 1.25 m, 0.50 deg, 80 points"
         );
         assert_eq!((closed.weight, closed.frame()), (Weight::Info, Some(90)));
+        let taken_back = told(LoopResult::TakenBack { by: 140 });
+        assert_eq!((taken_back.weight, taken_back.event), (Weight::Warning, "loop_taken_back"));
+        assert_eq!(
+            taken_back.text,
+            "loop from frame 90 to 2 taken back: the loop from frame 140 contradicts it"
+        );
         let refused = told(LoopResult::Refused("no such point".into()));
         assert_eq!((refused.weight, refused.event), (Weight::Warning, "loop_refused"));
         assert_eq!(refused.text, "loop from frame 90 to 2 rejected by the map: no such point");

@@ -2,6 +2,7 @@
 
 use super::Violation;
 use crate::ids::Id;
+use crate::validate::{is_scale, pose_defect};
 use crate::{KeyframeId, Map};
 
 impl Map {
@@ -95,6 +96,27 @@ impl Map {
                 }
             }
             check_order(from, keyframe.loop_edges(), found);
+        }
+    }
+
+    /// What is kept of closed loops names ids that were given out, in order, with sound numbers.
+    pub(super) fn check_closed_loops(&self, found: &mut Vec<Violation>) {
+        let mut revision = 0;
+        for closed in &self.loops {
+            let before: Vec<KeyframeId> = closed.before.iter().map(|b| b.0).collect();
+            let is_sorted = |list: &[KeyframeId]| {
+                list.is_sorted_by(|a, b| a < b) && list.last().is_none_or(|&id| id < closed.next)
+            };
+            let (matched, keyframe) = (closed.matched, closed.keyframe);
+            let fits = [&before, &closed.visit, &closed.near].into_iter().all(|list| is_sorted(list))
+                && [matched, keyframe].iter().all(|end| before.binary_search(end).is_ok())
+                && closed.before.iter().all(|b| pose_defect(&b.1).is_none() && is_scale(b.2))
+                && closed.next <= self.next_keyframe_id()
+                && (revision..=self.revision).contains(&closed.revision);
+            revision = closed.revision;
+            if !fits || matched == keyframe {
+                found.push(Violation::ClosedLoop { matched, keyframe });
+            }
         }
     }
 }

@@ -200,6 +200,14 @@ pub enum Violation {
         /// The other one.
         to: KeyframeId,
     },
+    /// What is kept of a closed loop cannot be.
+    #[error("what is kept of the loop from keyframe {keyframe} to {matched} cannot be")]
+    ClosedLoop {
+        /// The keyframe of the earlier visit.
+        matched: KeyframeId,
+        /// The one that saw its place again.
+        keyframe: KeyframeId,
+    },
     /// A list of children or loop edges is not in strict order.
     #[error("a list of keyframe {keyframe} has {entry} twice or out of order")]
     ListOrder {

@@ -11,7 +11,7 @@ use crate::validate::{valid_pose, valid_position, valid_scale};
 use crate::{KeyframeId, Map, MapError, PointId};
 
 /// What a correction writes, all of it valid.
-pub(super) struct Motion {
+pub(crate) struct Motion {
     /// Keyframes that move, with the scale of their surroundings.
     keyframes: BTreeMap<KeyframeId, KeyframeCorrection>,
     points: Vec<(PointId, Vec3)>,
@@ -24,7 +24,7 @@ impl Map {
     ///
     /// # Errors
     /// Something that follows would leave the range of numbers.
-    pub(super) fn motion_of(&self, correction: &Correction) -> Result<Motion, MapError> {
+    pub(crate) fn motion_of(&self, correction: &Correction) -> Result<Motion, MapError> {
         let keyframes = self.moved_keyframes(correction);
         for k in keyframes.values() {
             valid_pose(k.keyframe, &k.cam_from_world)?;
@@ -42,7 +42,7 @@ impl Map {
         Ok(Motion { keyframes, points, removed })
     }
 
-    pub(super) fn write_motion(&mut self, motion: &Motion) {
+    pub(crate) fn write_motion(&mut self, motion: &Motion) {
         let poses: Vec<(KeyframeId, SE3)> =
             motion.keyframes.values().map(|k| (k.keyframe, k.cam_from_world)).collect();
         self.write_estimates(&poses, &motion.points);
@@ -57,7 +57,10 @@ impl Map {
     }
 
     /// The keyframes that move, walking the spanning trees from their roots, so that parents come before children.
-    fn moved_keyframes(&self, correction: &Correction) -> BTreeMap<KeyframeId, KeyframeCorrection> {
+    pub(crate) fn moved_keyframes(
+        &self,
+        correction: &Correction,
+    ) -> BTreeMap<KeyframeId, KeyframeCorrection> {
         let listed: BTreeMap<KeyframeId, KeyframeCorrection> =
             correction.keyframes.iter().map(|&k| (k.keyframe, k)).collect();
         let mut moved = BTreeMap::new();

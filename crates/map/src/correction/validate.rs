@@ -31,6 +31,7 @@ impl Map {
         if let Some(point) = find_twice(correction.points.iter().map(|p| p.0)) {
             return Err(MapError::PointTwice { point });
         }
+        self.find_loops(&correction.taken_back)?;
         self.validate_pairs(correction)?;
         self.validate_joined(&correction.joined)
     }

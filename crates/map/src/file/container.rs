@@ -6,8 +6,11 @@ use sha2::{Digest, Sha256};
 
 use super::{MapFileError, MapFileInfo};
 
-/// The format version, which is written and read.
-pub const FORMAT_VERSION: u32 = 2;
+/// The format version that is written.
+pub const FORMAT_VERSION: u32 = 3;
+
+/// The oldest one that is read. Its content ends before the loops.
+const OLDEST_VERSION: u32 = 2;
 
 /// The first bytes of every map file; the line end shows up transfers as text.
 const MAGIC: [u8; 8] = *b"DSMAP\0\r\n";
@@ -53,7 +56,12 @@ pub(super) fn seal(info: &MapFileInfo, content: &[u8]) -> Vec<u8> {
 pub(super) fn open(bytes: &[u8]) -> Result<(MapFileInfo, Vec<u8>), MapFileError> {
     let (header, body) = checked(bytes)?;
     let (info, stored) = body.split_at(header.info_len as usize);
-    Ok((parse_info(info)?, unpack(stored, header.content_len)?))
+    let mut content = unpack(stored, header.content_len)?;
+    if header.version == OLDEST_VERSION {
+        // No loops: a list of length 0.
+        content.push(0);
+    }
+    Ok((parse_info(info)?, content))
 }
 
 /// The description of an undamaged file.
@@ -132,8 +140,9 @@ impl Header {
             header[from..to].iter().rev().fold(0, |sum, &byte| (sum << 8) | u64::from(byte))
         };
         let version = number(8, 12) as u32;
-        if version != FORMAT_VERSION {
-            return Err(MapFileError::Version { found: version, expected: FORMAT_VERSION });
+        if !(OLDEST_VERSION..=FORMAT_VERSION).contains(&version) {
+            let (oldest, newest) = (OLDEST_VERSION, FORMAT_VERSION);
+            return Err(MapFileError::Version { found: version, oldest, newest });
         }
         Ok(Header {
             version,

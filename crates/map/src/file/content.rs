@@ -1,4 +1,4 @@
-//! The records of format version 2: plain numbers, apart from the types of the program, so that those can change.
+//! The records of format version 3: plain numbers, apart from the types of the program, so that those can change.
 //!
 //! Ids are their numbers. A change of any record here needs a new format version.
 
@@ -19,6 +19,8 @@ pub(super) struct Content<'a> {
     pub(super) keyframes: Vec<KeyframeSlot<'a>>,
     /// One per id ever given out.
     pub(super) points: Vec<PointSlot>,
+    /// Those that can be taken back.
+    pub(super) loops: Vec<LoopRecord>,
 }
 
 /// A camera, shared by many frames.
@@ -117,4 +119,17 @@ pub(super) struct PointRecord {
     pub(super) belief: i32,
     /// (keyframe, feature) in order of the keyframes.
     pub(super) observations: Vec<(u32, u32)>,
+}
+
+/// See the type `ClosedLoop`.
+#[derive(Serialize, Deserialize)]
+pub(super) struct LoopRecord {
+    pub(super) matched: u32,
+    pub(super) keyframe: u32,
+    pub(super) revision: u64,
+    pub(super) next: u32,
+    pub(super) visit: Vec<u32>,
+    pub(super) near: Vec<u32>,
+    /// Keyframe, `[R t]` row by row, scale.
+    pub(super) before: Vec<(u32, [f64; 12], f64)>,
 }

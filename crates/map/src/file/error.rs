@@ -38,12 +38,14 @@ pub enum MapFileError {
         expected: String,
     },
     /// The file was made by a newer or an older program.
-    #[error("map file has format version {found}, this program reads version {expected}")]
+    #[error("map file has format version {found}, this program reads versions {oldest} to {newest}")]
     Version {
         /// Version of the file.
         found: u32,
-        /// The version that can be read.
-        expected: u32,
+        /// The oldest version that can be read.
+        oldest: u32,
+        /// The newest one.
+        newest: u32,
     },
     /// Undamaged, but not what a map file holds: the program that made it had a defect.
     #[error("unreadable map file: {reason}")]

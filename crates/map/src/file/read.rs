@@ -9,11 +9,11 @@ use geometry::{Mat3, SE3, SO3, Vec3};
 
 use super::MapFileError;
 use super::content::{
-    Content, KeyframeRecord, KeyframeSlot, PointRecord, PointSlot, RigRecord, ScalesRecord,
+    Content, KeyframeRecord, KeyframeSlot, LoopRecord, PointRecord, PointSlot, RigRecord, ScalesRecord,
 };
 use super::frames::Shared;
 use crate::map::RemovedKeyframe;
-use crate::{Keyframe, KeyframeId, MAX_BELIEF, Map, MapPoint, Observation, PointId};
+use crate::{ClosedLoop, Keyframe, KeyframeId, MAX_BELIEF, Map, MapPoint, Observation, PointId};
 
 /// The map of unpacked content.
 pub(super) fn map_of(content: &[u8]) -> Result<Map, MapFileError> {
@@ -30,6 +30,7 @@ pub(super) fn map_of(content: &[u8]) -> Result<Map, MapFileError> {
     map.first_young = content.first_young.iter().map(|&p| PointId(p)).collect();
     place_keyframes(&mut map, &content)?;
     place_points(&mut map, content.points);
+    map.loops = content.loops.iter().map(|record| Arc::new(closed_loop(record))).collect();
     map.hang_children();
     map.fill_tables();
     map.derive_points();
@@ -79,6 +80,20 @@ fn keyframe(id: KeyframeId, record: &KeyframeRecord<'_>, shared: &Shared) -> Res
     keyframe.parent = record.parent.map(KeyframeId);
     keyframe.loop_edges = record.loop_edges.iter().map(|&k| KeyframeId(k)).collect();
     Ok(keyframe)
+}
+
+fn closed_loop(record: &LoopRecord) -> ClosedLoop {
+    let ids = |list: &[u32]| list.iter().map(|&k| KeyframeId(k)).collect();
+    let before = record.before.iter().map(|(id, rows, scale)| (KeyframeId(*id), pose(rows), *scale));
+    ClosedLoop {
+        matched: KeyframeId(record.matched),
+        keyframe: KeyframeId(record.keyframe),
+        revision: record.revision,
+        next: KeyframeId(record.next),
+        visit: ids(&record.visit),
+        near: ids(&record.near),
+        before: before.collect(),
+    }
 }
 
 /// `[R t]` row by row, taken to the bit: whether it is a rotation is for `check` to say.

@@ -1,12 +1,13 @@
 //! A map as records: the facts only, nothing that follows from them.
 
 use super::content::{
-    Content, KeyframeRecord, KeyframeSlot, PointRecord, PointSlot, RemovedRecord, RigRecord, ScalesRecord,
+    Content, KeyframeRecord, KeyframeSlot, LoopRecord, PointRecord, PointSlot, RemovedRecord, RigRecord,
+    ScalesRecord,
 };
 use super::frames::Shared;
 use crate::ids::Id;
 use crate::map::RemovedKeyframe;
-use crate::{Keyframe, KeyframeId, Map, MapPoint, PointId};
+use crate::{ClosedLoop, Keyframe, KeyframeId, Map, MapPoint, PointId};
 
 /// The records of a map as bytes.
 pub(super) fn content_of(map: &Map) -> Vec<u8> {
@@ -20,6 +21,7 @@ pub(super) fn content_of(map: &Map) -> Vec<u8> {
         scales: shared.scales.iter().map(|scales| ScalesRecord::of(scales)).collect(),
         keyframes,
         points: (0..map.points.len()).map(|i| point_slot(map, PointId::from_index(i))).collect(),
+        loops: map.loops.iter().map(|closed| loop_record(closed)).collect(),
     };
     postcard::to_stdvec(&content).expect("records of known length can be written to memory")
 }
@@ -67,5 +69,19 @@ fn point_record(point: &MapPoint) -> PointRecord {
         found: point.found,
         belief: point.belief,
         observations: point.observations().iter().map(|o| (o.keyframe.0, o.feature)).collect(),
+    }
+}
+
+fn loop_record(closed: &ClosedLoop) -> LoopRecord {
+    let ids = |list: &[KeyframeId]| list.iter().map(|k| k.0).collect();
+    let before = closed.before.iter().map(|(id, pose, scale)| (id.0, pose.rows_3x4(), *scale));
+    LoopRecord {
+        matched: closed.matched.0,
+        keyframe: closed.keyframe.0,
+        revision: closed.revision,
+        next: closed.next.0,
+        visit: ids(&closed.visit),
+        near: ids(&closed.near),
+        before: before.collect(),
     }
 }

@@ -1,9 +1,11 @@
 //! `check` finds each broken relation and names it. Maps are broken through the fields that only this crate sees.
 
+use std::sync::Arc;
+
 use geometry::{Mat3, SO3, Vec3};
 
 use super::world::*;
-use crate::{Correction, KeyframeId, Map, PointId, PoseDefect, Violation};
+use crate::{ClosedLoop, Correction, KeyframeId, Map, PointId, PoseDefect, Violation};
 
 const K: fn(u32) -> KeyframeId = KeyframeId;
 const P: fn(u32) -> PointId = PointId;
@@ -206,6 +208,22 @@ fn loop_edges_of_one_side() {
     });
     let order = Violation::ListOrder { keyframe: K(5), entry: K(0) };
     expect(order, |m| m.keyframes.live_mut(K(5)).loop_edges.push(K(0)));
+}
+
+#[test]
+fn what_is_kept_of_a_loop() {
+    let broken = |break_it: fn(&mut ClosedLoop)| {
+        expect(Violation::ClosedLoop { matched: K(0), keyframe: K(5) }, |m| {
+            break_it(Arc::make_mut(&mut m.loops[0]));
+        });
+    };
+    broken(|l| l.visit.push(K(0)));
+    broken(|l| l.near.push(K(99)));
+    broken(|l| l.before.truncate(5));
+    broken(|l| l.before[1].1.translation.x = f64::NAN);
+    broken(|l| l.before[1].2 = 0.0);
+    broken(|l| l.next = K(99));
+    broken(|l| l.revision = 99);
 }
 
 #[test]

@@ -203,13 +203,23 @@ fn a_damaged_file_says_which_part() {
 #[test]
 fn a_newer_version_is_refused_as_such() {
     let mut bytes = encode(&small_map(), &info());
-    for version in [FORMAT_VERSION + 1, u32::MAX, 0] {
+    for version in [FORMAT_VERSION + 1, u32::MAX, 1, 0] {
         bytes[8..12].copy_from_slice(&version.to_le_bytes());
-        let message = format!("map file has format version {version}, this program reads version 2");
+        let message = format!("map file has format version {version}, this program reads versions 2 to 3");
         expect_error(&sealed(bytes.clone()), &message);
         // The length is not looked at before the version.
         expect_error(&sealed([&bytes[..], &[0]].concat()), &message);
     }
+}
+
+#[test]
+fn a_file_from_before_loops_were_kept_is_a_map_without_them() {
+    let map = (0..).map(|seed| random_map(seed, 60)).find(|map| map.loops().is_empty()).unwrap();
+    let content = content_of(&map);
+    let mut bytes = file_of_content(&content[..content.len() - 1]);
+    bytes[8..12].copy_from_slice(&2_u32.to_le_bytes());
+    let (read, _) = decode(&sealed(bytes)).unwrap();
+    assert_eq!(read.digest(), map.digest());
 }
 
 #[test]

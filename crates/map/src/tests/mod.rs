@@ -11,4 +11,5 @@ mod removal;
 mod scale;
 mod snapshots;
 mod submaps;
+mod take_back;
 mod world;

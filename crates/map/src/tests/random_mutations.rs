@@ -135,14 +135,19 @@ impl Chooser<'_> {
         let n_joined = [0, 0, 1, 2][self.random.random_range(0..4)];
         let n_merged = self.random.random_range(0..4);
         let n_edges = self.random.random_range(0..2);
-        Correction {
+        let named = |l: &std::sync::Arc<crate::ClosedLoop>| (l.matched, l.keyframe);
+        let mut correction = Correction {
             keyframes,
             points: self.positions(),
             seen_revision,
             joined: (0..n_joined).map(|_| (self.keyframe(), self.keyframe())).collect(),
             merged: (0..n_merged).map(|_| (self.point(), self.point())).collect(),
             loop_edges: (0..n_edges).map(|_| (self.keyframe(), self.keyframe())).collect(),
-        }
+            taken_back: Vec::new(),
+        };
+        let standing = self.map.loops().iter().map(named);
+        correction.taken_back = standing.filter(|_| self.random.random_bool(0.2)).collect();
+        correction
     }
 
     fn counts(&mut self) -> Vec<PointCount> {
@@ -221,7 +226,7 @@ fn two_thousand_random_mutations_keep_every_invariant() {
     let mut accepted = [0; KINDS.len()];
     let mut refused = [0; KINDS.len()];
     let mut largest = (0, 0);
-    let (mut n_roots, mut n_submaps, mut n_joins) = (0, 0, 0);
+    let (mut n_roots, mut n_submaps, mut n_joins, mut n_taken_back) = (0, 0, 0, 0);
     for i in 0..2_000 {
         let kind = if map.n_keyframes() < 3 { 0 } else { kind_of(geometry::mix_seed(1, i, 0)) };
         let was_accepted = checked_step(&mut map, kind, geometry::mix_seed(2, i, kind as u64));
@@ -231,7 +236,9 @@ fn two_thousand_random_mutations_keep_every_invariant() {
         n_submaps = n_submaps.max(map.roots().len());
         n_joins += usize::from(map.roots().len() < n_roots);
         n_roots = map.roots().len();
+        n_taken_back = map.taken_back.len();
     }
+    assert!(n_taken_back >= 3, "{n_taken_back} loops taken back");
     assert!(n_submaps > 3 && n_joins > 10, "at most {n_submaps} sub-maps, {n_joins} joins");
     for (kind, name) in KINDS.iter().enumerate() {
         assert!(

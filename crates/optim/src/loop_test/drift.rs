@@ -44,4 +44,9 @@ impl DriftModel {
     pub fn can_meet(&self, distance_m: f64, path_m: f64) -> bool {
         distance_m <= self.margin_m + self.max_m_per_m * path_m
     }
+
+    /// Such a distance over the largest at which they can.
+    pub fn strain(&self, distance_m: f64, path_m: f64) -> f64 {
+        distance_m / (self.margin_m + self.max_m_per_m * path_m)
+    }
 }

@@ -5,11 +5,13 @@
 //! depend on where the search began: there the cycle must close in translation, and no edge may be torn.
 
 mod cycle;
+mod doubts;
 mod drift;
 mod measure;
 
 use geometry::SE3;
 
+pub use doubts::{Doubts, Witness, culprit};
 pub use drift::DriftModel;
 
 use crate::convex::ConvexError;
@@ -70,6 +72,19 @@ pub struct LoopNumbers {
     pub odometry_residual: f64,
 }
 
+impl LoopNumbers {
+    /// The largest of all that was measured, in its standard deviations.
+    fn sigmas(&self) -> f64 {
+        let closures = [
+            (self.rotation_closure_deg, self.rotation_sigma_deg),
+            (self.translation_closure_m, self.translation_sigma_m),
+        ];
+        let closures = closures.into_iter().filter(|c| c.1 > 0.0).map(|(closure, sigma)| closure / sigma);
+        let residuals = [self.candidate_residual, self.earlier_loop_residual, self.odometry_residual];
+        closures.chain(residuals).fold(0.0, f64::max)
+    }
+}
+
 /// Why a candidate was refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Inconsistency {
@@ -115,6 +130,26 @@ pub enum LoopVerdict {
         /// As far as measured; zero beyond.
         numbers: LoopNumbers,
     },
+}
+
+impl LoopVerdict {
+    /// Whether the candidate agrees with everything.
+    pub fn is_consistent(&self) -> bool {
+        matches!(self, LoopVerdict::Consistent(_))
+    }
+
+    /// How far the candidate goes in what the default gates allow: above 1 if it is refused, without limit if it could not be tested.
+    pub fn strain(&self) -> f64 {
+        let of = |numbers: &LoopNumbers| numbers.sigmas() / CHI2_CLOSURE.sqrt();
+        match self {
+            LoopVerdict::Consistent(numbers) => of(numbers),
+            LoopVerdict::Inconsistent {
+                reason: Inconsistency::BadInput { .. } | Inconsistency::NoCycle | Inconsistency::Convex(_),
+                ..
+            } => f64::INFINITY,
+            LoopVerdict::Inconsistent { numbers, .. } => of(numbers),
+        }
+    }
 }
 
 /// Tests the one edge of kind [`CycleEdgeKind::Candidate`] against all others, at the current estimates `nodes`

@@ -8,6 +8,7 @@ use map::{KeyframeId, Map};
 
 use super::outcome::NoLoop;
 use super::position_prior::PositionPrior;
+use super::take_back::centers_without;
 use crate::keyframe_database::Alike;
 use crate::params::Params;
 use crate::world::World;
@@ -54,6 +55,30 @@ pub(super) fn find(
     let mut once = BTreeSet::new();
     found.retain(|id| once.insert(*id));
     if found.is_empty() { Err(NoLoop::Alone { best_score, min_score }) } else { Ok(found) }
+}
+
+/// Keyframes that look alike and are out of reach, but would not be if one of the loops had not been closed.
+pub(super) fn find_far(keyframe: KeyframeId, world: &World, params: &Params) -> Vec<KeyframeId> {
+    let map = &world.map;
+    let (Some(current), Some((bow, _))) = (map.keyframe(keyframe), world.places.of(keyframe)) else {
+        return Vec::new();
+    };
+    if map.loops().is_empty() {
+        return Vec::new();
+    }
+    let prior = PositionPrior::new(map, keyframe, &params.camera);
+    let mut far: Vec<KeyframeId> = map.keyframes().map(|k| k.id).filter(|&id| !prior.allows(id)).collect();
+    if !far.is_empty() {
+        let priors =
+            centers_without(map).map(|centers| PositionPrior::along(centers, keyframe, &params.camera));
+        let priors: Vec<PositionPrior> = priors.collect();
+        far.retain(|&id| priors.iter().any(|prior| prior.allows(id)));
+    }
+    if far.is_empty() {
+        return far;
+    }
+    let min_score = lowest_covisible_score(current, bow, world, params.loops.min_covisible_weight);
+    strongest_groups(map, &world.places.alike(bow, |id| far.binary_search(&id).is_ok()), min_score)
 }
 
 /// The keyframe that has been most familiar, if it stands out.

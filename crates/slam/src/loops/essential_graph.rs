@@ -6,14 +6,14 @@ use std::collections::BTreeSet;
 use geometry::SE3;
 use map::{KeyframeId, Map};
 
-use super::position_prior::submap_members;
-
 /// An edge of the essential graph between two nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EssentialEdge {
     pub(super) a: usize,
     pub(super) b: usize,
     pub(super) is_loop: bool,
+    /// The motion from `a` to `b`, where it is not that of the map.
+    pub(super) measured: Option<SE3>,
 }
 
 /// The keyframes of one sub-map and the edges between them.
@@ -27,7 +27,7 @@ pub(super) struct EssentialGraph {
 impl EssentialGraph {
     /// Spanning tree, loop edges, and covisibility from `min_weight` shared points on.
     pub(super) fn new(map: &Map, member: KeyframeId, min_weight: u32) -> Self {
-        let nodes = submap_members(map, member);
+        let nodes = map.submap_members(member);
         let mut pairs = BTreeSet::new();
         let mut loops = BTreeSet::new();
         let mut cam_from_world = Vec::with_capacity(nodes.len());
@@ -44,7 +44,7 @@ impl EssentialGraph {
         let edges: Vec<_> = edges.chain(loops.iter().map(|&pair| (pair, true))).collect();
         for ((a, b), is_loop) in edges {
             if let (Some(a), Some(b)) = (graph.index(a), graph.index(b)) {
-                graph.edges.push(EssentialEdge { a, b, is_loop });
+                graph.edges.push(EssentialEdge { a, b, is_loop, measured: None });
             }
         }
         graph
@@ -55,9 +55,23 @@ impl EssentialGraph {
         self.nodes.binary_search(&id).ok()
     }
 
-    /// The motion of an edge as the map has it now.
+    /// The motion of an edge: as measured, else as the map has it now.
     pub(super) fn b_from_a(&self, edge: &EssentialEdge) -> SE3 {
-        self.cam_from_world[edge.b] * self.cam_from_world[edge.a].inverse()
+        edge.measured.unwrap_or_else(|| self.cam_from_world[edge.b] * self.cam_from_world[edge.a].inverse())
+    }
+
+    /// Adds a loop by its measured motion `b_from_a`; ends that were removed from `map` stand for the keyframes that carry them.
+    pub(super) fn add_loop(&mut self, map: &Map, [a, b]: [KeyframeId; 2], b_from_a: SE3) {
+        let carrier = |id| {
+            let (alive, id_from_alive) = map.resolve_keyframe(id)?;
+            Some((self.index(alive)?, id_from_alive))
+        };
+        if let (Some((a, a_from_alive)), Some((b, b_from_alive))) = (carrier(a), carrier(b))
+            && a != b
+        {
+            let measured = Some(b_from_alive.inverse() * b_from_a * a_from_alive);
+            self.edges.push(EssentialEdge { a, b, is_loop: true, measured });
+        }
     }
 
     /// Nodes on the way from a node up to the root of the spanning tree, both included.

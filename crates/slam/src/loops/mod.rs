@@ -8,10 +8,13 @@ mod essential_graph;
 mod global;
 mod outcome;
 mod position_prior;
+mod take_back;
 mod verify;
 
 use bow::Familiarity;
+use geometry::SE3;
 use map::{Correction, KeyframeId, PointId};
+use optim::loop_test::Doubts;
 
 use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
@@ -38,7 +41,7 @@ pub struct LoopCorrection {
     pub scale: f64,
     /// Whether two sub-maps become one.
     pub joins_submaps: bool,
-    /// New poses, merged points, the loop's edge.
+    /// New poses, merged points, the loop's edge; an earlier loop that this one takes back.
     pub correction: Correction,
     /// Points of the earlier visit, to be looked for on the new side once the map is corrected.
     pub earlier_points: Vec<PointId>,
@@ -51,6 +54,10 @@ pub struct LoopCloser {
     consistency: Consistency,
     /// How familiar places have been to the keyframes so far.
     familiarity: Familiarity,
+    /// As `consistency`, of places that only a wrong loop keeps out of reach.
+    out_of_reach: Consistency,
+    /// What speaks against loops that were closed.
+    doubts: Doubts<take_back::Name, SE3>,
     /// The keyframe at which the last loop was found.
     last_loop: Option<KeyframeId>,
 }
@@ -59,9 +66,11 @@ impl LoopCloser {
     /// A loop closer that has seen nothing.
     pub fn new(params: Params) -> Self {
         LoopCloser {
-            params,
             consistency: Consistency::default(),
             familiarity: Familiarity::default(),
+            out_of_reach: Consistency::default(),
+            doubts: Doubts::new(params.loops.min_gap as u32),
+            params,
             last_loop: None,
         }
     }
@@ -70,19 +79,23 @@ impl LoopCloser {
     pub fn detect(&mut self, keyframe: KeyframeId, world: &World, probe: &mut dyn Probe) -> LoopOutcome {
         let candidates = match staged(probe, Stage::LoopDetect, || self.candidates(keyframe, world)) {
             Ok(candidates) => candidates,
-            Err(reason) => return LoopOutcome::None(reason),
+            Err(reason @ (NoLoop::NoPlaces | NoLoop::TooEarly { .. })) => return LoopOutcome::None(reason),
+            Err(reason) => {
+                return match self.close_out_of_reach(keyframe, world, probe) {
+                    Some(found) => self.closed(found),
+                    None => LoopOutcome::None(reason),
+                };
+            }
         };
         let mut refused: Option<(KeyframeId, NoLoop)> = None;
         for candidate in candidates {
             match self.close(keyframe, candidate, world, probe) {
-                Ok(found) => {
-                    self.consistency.clear();
-                    self.familiarity.clear();
-                    self.last_loop = Some(keyframe);
-                    return LoopOutcome::Closed(Box::new(found));
-                }
+                Ok(found) => return self.closed(found),
                 Err(reason) => refused = refused.or(Some((candidate, reason))),
             }
+        }
+        if let Some(found) = self.close_out_of_reach(keyframe, world, probe) {
+            return self.closed(found);
         }
         match refused {
             // Similar streets are common; only what also matches in detail is worth a word.
@@ -90,6 +103,31 @@ impl LoopCloser {
             Some((candidate, reason)) => LoopOutcome::Rejected { candidate, reason },
             None => LoopOutcome::None(NoLoop::NoPlaces),
         }
+    }
+
+    fn closed(&mut self, found: LoopCorrection) -> LoopOutcome {
+        self.consistency.clear();
+        self.familiarity.clear();
+        self.out_of_reach.clear();
+        self.last_loop = Some(found.keyframe);
+        LoopOutcome::Closed(Box::new(found))
+    }
+
+    /// The correction by a place that would be within reach if one of the loops had not been closed, and takes that one back.
+    fn close_out_of_reach(
+        &mut self,
+        keyframe: KeyframeId,
+        world: &World,
+        probe: &mut dyn Probe,
+    ) -> Option<LoopCorrection> {
+        let found = staged(probe, Stage::LoopDetect, || candidates::find_far(keyframe, world, &self.params));
+        let (found, _) = self.out_of_reach.advance(&world.map, &found, self.params.loops.consistency);
+        found.into_iter().find_map(|candidate| {
+            let verified = self.verify(keyframe, candidate, world, probe).ok()?;
+            staged(probe, Stage::PoseGraph, || {
+                take_back::hear(&mut self.doubts, keyframe, &verified, world, &self.params)
+            })
+        })
     }
 
     /// Candidates that were consistent for long enough; at least one.
@@ -110,16 +148,34 @@ impl LoopCloser {
         if accepted.is_empty() { Err(NoLoop::NotYetConsistent { seen, needed }) } else { Ok(accepted) }
     }
 
+    /// The correction that a candidate asks for; if it contradicts the map, maybe by taking an earlier loop back.
     fn close(
-        &self,
+        &mut self,
         keyframe: KeyframeId,
         candidate: KeyframeId,
         world: &World,
         probe: &mut dyn Probe,
     ) -> Result<LoopCorrection, NoLoop> {
-        let verified =
-            staged(probe, Stage::LoopVerify, || verify::verify(candidate, keyframe, world, &self.params))?;
-        staged(probe, Stage::PoseGraph, || correct::correct(keyframe, &verified, &world.map, &self.params))
+        let verified = self.verify(keyframe, candidate, world, probe)?;
+        staged(probe, Stage::PoseGraph, || {
+            match correct::correct(keyframe, &verified, &world.map, &self.params, None) {
+                Err(NoLoop::Inconsistent { reason, numbers }) => {
+                    take_back::hear(&mut self.doubts, keyframe, &verified, world, &self.params)
+                        .ok_or(NoLoop::Inconsistent { reason, numbers })
+                }
+                other => other,
+            }
+        })
+    }
+
+    fn verify(
+        &self,
+        keyframe: KeyframeId,
+        candidate: KeyframeId,
+        world: &World,
+        probe: &mut dyn Probe,
+    ) -> Result<verify::Verified, NoLoop> {
+        staged(probe, Stage::LoopVerify, || verify::verify(candidate, keyframe, world, &self.params))
     }
 }
 

@@ -18,11 +18,20 @@ pub(super) struct PositionPrior {
 
 impl PositionPrior {
     pub(super) fn new(map: &Map, current: KeyframeId, params: &CameraParams) -> Self {
-        let mut along: Vec<(KeyframeId, Vec3, f64)> = Vec::with_capacity(map.n_keyframes());
-        for keyframe in submap_members(map, current).into_iter().filter_map(|id| map.keyframe(id)) {
-            let center = keyframe.center();
+        let members = map.submap_members(current).into_iter().filter_map(|id| map.keyframe(id));
+        Self::along(members.map(|keyframe| (keyframe.id, keyframe.center())), current, params)
+    }
+
+    /// Of keyframes at other places than those in the map, in order of their ids.
+    pub(super) fn along(
+        centers: impl IntoIterator<Item = (KeyframeId, Vec3)>,
+        current: KeyframeId,
+        params: &CameraParams,
+    ) -> Self {
+        let mut along: Vec<(KeyframeId, Vec3, f64)> = Vec::new();
+        for (id, center) in centers {
             let path_m = along.last().map_or(0.0, |(_, last, path)| path + (center - last).norm());
-            along.push((keyframe.id, center, path_m));
+            along.push((id, center, path_m));
         }
         PositionPrior { current: find(&along, current), along, drift: drift_model(params) }
     }
@@ -33,6 +42,14 @@ impl PositionPrior {
             return true;
         };
         self.drift.can_meet((here - there).norm(), (now - then).abs())
+    }
+
+    /// How far away another keyframe is, over how far the current one may be; 0 for a keyframe of another sub-map.
+    pub(super) fn strain(&self, other: KeyframeId) -> f64 {
+        let (Some((here, now)), Some((there, then))) = (self.current, find(&self.along, other)) else {
+            return 0.0;
+        };
+        self.drift.strain((here - there).norm(), (now - then).abs())
     }
 
     /// The nearest keyframes that are `wanted`, within the margin, nearest first; of equals the older one.
@@ -52,18 +69,6 @@ impl PositionPrior {
 fn find(along: &[(KeyframeId, Vec3, f64)], keyframe: KeyframeId) -> Option<(Vec3, f64)> {
     let at = along.binary_search_by_key(&keyframe, |k| k.0).ok()?;
     Some((along[at].1, along[at].2))
-}
-
-/// The keyframes of a keyframe's sub-map, in order of their ids.
-pub(super) fn submap_members(map: &Map, keyframe: KeyframeId) -> Vec<KeyframeId> {
-    let mut members = Vec::new();
-    let mut open: Vec<KeyframeId> = map.submap_of(keyframe).into_iter().collect();
-    while let Some(id) = open.pop() {
-        members.push(id);
-        open.extend(map.keyframe(id).map_or(&[][..], |kf| kf.children()));
-    }
-    members.sort_unstable();
-    members
 }
 
 #[cfg(test)]

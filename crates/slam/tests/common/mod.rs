@@ -95,6 +95,26 @@ impl World {
         world
     }
 
+    /// A field of posts, `size_m` wide (along x) and long (along z), whose strip from `right_m` on, 16 m wide, repeats the strip
+    /// around `x = 0` in shape and looks, but only for the middle half of its length.
+    pub(crate) fn alike_field(size_m: [f64; 2], right_m: f64) -> Self {
+        let mut world = World::with_density(size_m[0] * size_m[1], 0.6, 1.5);
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        for landmark in &mut world.landmarks {
+            landmark.position.x = rng.random_range(-8.0..size_m[0] - 8.0);
+            landmark.position.z = rng.random_range(0.0..size_m[1]);
+        }
+        let middle = 0.25 * size_m[1]..0.75 * size_m[1];
+        let is_in = |l: &Landmark, x: f64| (l.position.x - x).abs() < 8.0 && middle.contains(&l.position.z);
+        world.landmarks.retain(|l| !is_in(l, right_m));
+        let copies: Vec<Landmark> = (world.landmarks.iter().filter(|l| is_in(l, 0.0)))
+            .map(|l| Landmark { position: l.position + Vec3::new(right_m, 0.0, 0.0), ..*l })
+            .collect();
+        world.landmarks.extend(copies);
+        world.max_depth_m = 22.0;
+        world
+    }
+
     /// The frame seen from `world_from_cam`; noise and flipped bits depend on `index` only.
     pub(crate) fn frame(&self, index: u32, world_from_cam: &SE3) -> Arc<Frame> {
         let cam_from_world = world_from_cam.inverse();

@@ -42,7 +42,8 @@ fn a_rigid_loop_spreads_the_drift_over_the_round() {
     let poses = drifted(&error, 1.0);
     let before = (poses[15].center() - truth(15).center()).norm();
     let map = chain(&poses, 16);
-    let found = correct(KeyframeId(15), &verified(truth(15), 1.0, Vec::new()), &map, &params()).unwrap();
+    let found =
+        correct(KeyframeId(15), &verified(truth(15), 1.0, Vec::new()), &map, &params(), None).unwrap();
     let keyframes = &found.correction.keyframes;
     assert_eq!(keyframes.len(), 16);
     assert!(gap(&keyframes[0].cam_from_world, &poses[0]) < 1e-12, "the root stays");
@@ -64,7 +65,7 @@ fn one_camera_takes_back_the_drift_of_its_scale() {
     mono.camera.unit = 1.0;
     let scale = 1.02_f64.powi(15);
     let before = (poses[15].center() - truth(15).center()).norm();
-    let found = correct(KeyframeId(15), &verified(truth(15), scale, Vec::new()), &map, &mono).unwrap();
+    let found = correct(KeyframeId(15), &verified(truth(15), scale, Vec::new()), &map, &mono, None).unwrap();
     let keyframes = &found.correction.keyframes;
     let last = &keyframes[15];
     // What was `scale` long around the last keyframe is 1 long again.
@@ -98,17 +99,17 @@ fn variances_follow_length_and_angle() {
 fn lengths_that_differ_threefold_are_not_drift() {
     let map = chain(&(0..N).map(truth).collect::<Vec<_>>(), 16);
     for scale in [3.01, 0.332, f64::NAN, -1.0] {
-        let result = correct(KeyframeId(15), &verified(truth(15), scale, Vec::new()), &map, &params());
+        let result = correct(KeyframeId(15), &verified(truth(15), scale, Vec::new()), &map, &params(), None);
         assert!(matches!(result, Err(NoLoop::Scale { limit: 3.0, .. })), "{scale}");
     }
-    assert!(correct(KeyframeId(15), &verified(truth(15), 1.0, Vec::new()), &map, &params()).is_ok());
+    assert!(correct(KeyframeId(15), &verified(truth(15), 1.0, Vec::new()), &map, &params(), None).is_ok());
 }
 
 #[test]
 fn a_loop_against_the_path_is_refused() {
     let map = chain(&(0..N).map(truth).collect::<Vec<_>>(), 16);
     let wrong = at(6.0, 0.0, 0.0) * truth(15);
-    let result = correct(KeyframeId(15), &verified(wrong, 1.0, Vec::new()), &map, &params());
+    let result = correct(KeyframeId(15), &verified(wrong, 1.0, Vec::new()), &map, &params(), None);
     assert!(matches!(result, Err(NoLoop::Inconsistent { .. })));
 }
 
@@ -119,7 +120,7 @@ fn matched_points_of_both_visits_are_merged_the_earlier_one_stays() {
     let own = here.point_at(3).unwrap();
     // Feature 4 shows the earlier point already.
     let matches = vec![(3, PointId(1)), (4, here.point_at(4).unwrap())];
-    let found = correct(KeyframeId(15), &verified(truth(15), 1.0, matches), &map, &params()).unwrap();
+    let found = correct(KeyframeId(15), &verified(truth(15), 1.0, matches), &map, &params(), None).unwrap();
     assert_eq!(found.correction.merged, vec![(PointId(1), own)]);
     assert_eq!((found.inliers, found.earlier_points.len()), (2, 1));
 }
@@ -137,7 +138,7 @@ fn the_younger_sub_map_moves_as_a_whole_to_where_the_loop_puts_it() {
     let map = two_submaps(&at(3.0, 1.0, 2.0));
     // The newest keyframe saw keyframe 0's place from `placed`, in lengths twice as long.
     let placed = at(0.5, 0.0, 0.3);
-    let found = correct(KeyframeId(4), &verified(placed, 2.0, Vec::new()), &map, &params()).unwrap();
+    let found = correct(KeyframeId(4), &verified(placed, 2.0, Vec::new()), &map, &params(), None).unwrap();
     assert!(found.joins_submaps);
     assert_eq!(found.correction.joined, vec![(KeyframeId(4), KeyframeId(0))]);
     let [moved] = &found.correction.keyframes[..] else { panic!("{:?}", found.correction.keyframes) };
@@ -156,7 +157,7 @@ fn the_older_sub_map_stays_even_if_it_saw_the_younger_one_again() {
     // Keyframe 3 of the older sub-map sees the place of keyframe 4 from `placed` in its coordinates.
     let placed = at(3.5, 1.0, 2.0);
     let again = Verified { matched: KeyframeId(4), ..verified(placed, 1.0, Vec::new()) };
-    let found = correct(KeyframeId(3), &again, &map, &params()).unwrap();
+    let found = correct(KeyframeId(3), &again, &map, &params(), None).unwrap();
     assert_eq!(found.correction.joined, vec![(KeyframeId(4), KeyframeId(3))]);
     let [moved] = &found.correction.keyframes[..] else { panic!("{:?}", found.correction.keyframes) };
     // Seen from keyframe 3 the younger keyframe stays where the loop says it is.

@@ -50,8 +50,8 @@ fn a_keyframe_of_another_sub_map_may_be_anywhere_but_is_not_near() {
     let scene = Scene::wall(4);
     let far = at(500.0, 0.0, 0.0);
     let other = add_under(&mut map, scene.whole(9, &far), &far, &[], &[], map::Parent::NewSubmap);
-    assert_eq!(submap_members(&map, KeyframeId(2)), [0, 1, 2, 3].map(KeyframeId));
-    assert_eq!(submap_members(&map, other), [other]);
+    assert_eq!(map.submap_members(KeyframeId(2)), [0, 1, 2, 3].map(KeyframeId));
+    assert_eq!(map.submap_members(other), [other]);
     let prior = prior(&map, 3, 0.01, 1000.0);
     assert!(prior.allows(other));
     assert!(!prior.nearby(9, |_| true).contains(&other));

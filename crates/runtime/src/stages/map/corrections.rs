@@ -104,6 +104,10 @@ impl MapStage {
         };
         let is_closed = matches!(result, LoopResult::Closed { .. });
         self.note_loop(found.keyframe, found.matched, result, out);
+        let by = self.frame_index(found.keyframe, out.log);
+        for &(matched, keyframe) in found.correction.taken_back.iter().filter(|_| is_closed) {
+            self.note_loop(keyframe, matched, LoopResult::TakenBack { by }, out);
+        }
         is_closed
     }
 
@@ -122,6 +126,7 @@ impl MapStage {
                 statistics.submaps_joined += usize::from(*joined);
             }
             LoopResult::Rejected(_) | LoopResult::Refused(_) => statistics.loops_rejected += 1,
+            LoopResult::TakenBack { .. } => statistics.loops_taken_back += 1,
         }
         (out.emit)(Event::Loop(record.clone()));
         out.log.loops.push(record);
