@@ -6,7 +6,7 @@ use dsslam_geometry::{
     Pinhole, SE3, SO3, TwoView, TwoViewFailure, TwoViewMatches, TwoViewModel, TwoViewOptions,
     TwoViewReconstruction, Vec2, Vec3, angle_between,
 };
-use proptest::prelude::*;
+use rand::Rng;
 
 #[test]
 fn a_scene_with_depth_is_reconstructed() {
@@ -268,30 +268,34 @@ fn scaling_changes_lengths_only() {
     }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
-
-    /// Whatever the motion, what is accepted is right; and what has much parallax is accepted.
-    #[test]
-    fn accepted_maps_are_right(seed in 0u64..100_000, length in 0.05..2.0, n_outliers in 0usize..100) {
-        let mut rng = generator(seed);
-        let turn = random_motion(&mut rng, 1.0, 0.15);
+/// Whatever the motion, what is accepted is right; and what has much parallax is accepted, but for one pair in a
+/// hundred: now and then two motions explain it.
+#[test]
+fn accepted_maps_are_right() {
+    let mut inputs = generator(99);
+    let (mut n_wide, mut n_refused) = (0, 0);
+    for _ in 0..400 {
+        let seed = inputs.random_range(0..100_000);
+        let (length, n_outliers) = (inputs.random_range(0.05..2.0), inputs.random_range(0..100));
+        let case = format!("seed {seed}, length {length}, {n_outliers} outliers");
+        let turn = random_motion(&mut generator(seed), 1.0, 0.15);
         let motion = SE3::new(turn.rotation, turn.translation.normalize() * length);
         let scene = Scene::new(seed, 300, motion, |_, share| 4.0 + 10.0 * share).with_outliers(seed, n_outliers);
+        n_wide += usize::from(length > 0.6);
         match scene.reconstruct() {
             Ok(found) => {
                 let (turn, direction) = scene.errors_deg(&found);
                 // Half a pixel is 0.055 degrees: an error of the direction grows as the parallax falls.
                 let limit_deg = 30.0 / found.parallax_deg.min(10.0);
-                prop_assert!(turn < 1.0 && direction < limit_deg, "{} {} {}", turn, direction, limit_deg);
-                prop_assert!(found.n_points >= 50 && found.parallax_deg >= 1.0);
-                let positive = found.points.iter().flatten().all(|p| p.z > 0.0 && (found.second_from_first * p).z > 0.0);
-                prop_assert!(positive);
+                assert!(turn < 1.0 && direction < limit_deg, "{case}: {turn} {direction} {limit_deg}");
+                assert!(found.n_points >= 50 && found.parallax_deg >= 1.0, "{case}: {found:?}");
+                let positive = |p: &Vec3| p.z > 0.0 && (found.second_from_first * *p).z > 0.0;
+                assert!(found.points.iter().flatten().all(positive), "{case}");
             }
-            Err(failure) => {
-                let little = matches!(failure, TwoViewFailure::TooLittleParallax { .. });
-                prop_assert!(little || length < 0.6, "{}", failure);
-            }
+            Err(TwoViewFailure::TooLittleParallax { .. }) => {}
+            Err(TwoViewFailure::Ambiguous { .. }) if length > 0.6 => n_refused += 1,
+            Err(failure) => assert!(length < 0.6, "{case}: {failure}"),
         }
     }
+    assert!(n_wide > 200 && n_refused * 100 <= n_wide, "{n_refused} of {n_wide} refused");
 }
