@@ -127,7 +127,7 @@ impl Camera {
         calibration: Option<PathBuf>,
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let config = crate::session::chosen(&folder, config.as_deref(), settings)?;
+        let config = crate::session::chosen(&folder, config.as_deref(), settings, None)?.config;
         let mut options = InputOptions::default();
         options.sensor = arguments::sensor(sensor)?;
         options.calibration = calibration;

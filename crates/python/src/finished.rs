@@ -24,13 +24,21 @@ use crate::poses;
 pub(crate) struct Finished {
     pub(crate) done: Arc<dsslam::Finished>,
     sensor: Sensor,
+    /// What the user should know of how the run was set up.
+    #[pyo3(get)]
+    pub(crate) notices: Vec<String>,
     /// Errors against the ground truth as JSON, if there is one.
     evaluation: Option<String>,
 }
 
 impl Finished {
-    pub(crate) fn new(done: dsslam::Finished, sensor: Sensor, evaluation: Option<String>) -> Self {
-        Self { done: Arc::new(done), sensor, evaluation }
+    pub(crate) fn new(
+        done: dsslam::Finished,
+        sensor: Sensor,
+        notices: Vec<String>,
+        evaluation: Option<String>,
+    ) -> Self {
+        Self { done: Arc::new(done), sensor, notices, evaluation }
     }
 
     /// Poses of the tracked frames, of the left camera or of the body.

@@ -6,14 +6,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use dsslam::mcap::McapRecorder;
 use dsslam::runtime::{Narrator, Weight, Words};
-use dsslam::{Compared, Config, Event, Observer, Session, SessionOptions};
+use dsslam::{Chosen, Compared, Config, Event, Observer, Session, SessionOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arguments;
 use crate::error::raised;
 use crate::finished::Finished;
-use crate::frame;
+use crate::{frame, network};
 
 /// Ends a run from outside.
 #[pyclass(frozen, module = "dsslam")]
@@ -37,14 +37,13 @@ pub(crate) fn chosen(
     folder: &Path,
     config: Option<&Path>,
     settings: Option<&Bound<'_, PyDict>>,
-) -> PyResult<Config> {
-    match config {
-        Some(name) => arguments::config(Some(name), settings),
-        None => Ok(Config::for_sequence(folder, &arguments::overrides(settings)?).map_err(raised)?.config),
-    }
+    network: Option<PathBuf>,
+) -> PyResult<Chosen> {
+    Config::choose(config, Some(folder), &arguments::overrides(settings)?, &network::options(network))
+        .map_err(raised)
 }
 
-/// Tells a Python function of each frame, and of what happens in words. What it raises ends the run.
+/// Tells a Python function of what is to be known before the run, of each frame, and of what happens in words. What it raises ends the run.
 struct Telling<'a> {
     observer: &'a Py<PyAny>,
     narrator: Narrator,
@@ -121,7 +120,7 @@ pub(crate) fn run(
     observer: Option<Py<PyAny>>,
     mcap: Option<PathBuf>,
 ) -> PyResult<Finished> {
-    let config = chosen(&path, config.as_deref(), settings)?;
+    let chosen = chosen(&path, config.as_deref(), settings, network.clone())?;
     let mut options = SessionOptions::default();
     options.input.sensor = arguments::sensor(sensor)?;
     options.input.calibration = calibration;
@@ -132,7 +131,15 @@ pub(crate) fn run(
     options.slam = arguments::options(map, localize, vocabulary, network, schedule)?;
     let stop = Arc::clone(&stop.get().0);
     py.detach(|| {
-        let session = Session::open_with(&path, &config, &options).map_err(raised)?;
+        let session = Session::open_with(&path, &chosen.config, &options).map_err(raised)?;
+        let layout = chosen.preset.map(|name| format!("configuration {name}, built in, as the layout suggests"));
+        let notices: Vec<String> =
+            layout.into_iter().chain(chosen.notices).chain(session.notices().iter().cloned()).collect();
+        if let Some(observer) = &observer {
+            Python::attach(|py| {
+                notices.iter().try_for_each(|notice| observer.call1(py, ("notice", notice)).map(drop))
+            })?;
+        }
         let recorder = mcap.as_deref().map(|file| McapRecorder::create(file, &session));
         let mut watching = Watching {
             telling: observer.as_ref().map(|observer| Telling {
@@ -154,6 +161,6 @@ pub(crate) fn run(
         let evaluation = Compared::new(&done.outcome.frames, sequence)
             .and_then(|compared| compared.evaluate(&eval::KITTI_LENGTHS_M).ok())
             .and_then(|evaluation| serde_json::to_string(&evaluation).ok());
-        Ok(Finished::new(done, sequence.sensor, evaluation))
+        Ok(Finished::new(done, sequence.sensor, notices, evaluation))
     })
 }

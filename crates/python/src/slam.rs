@@ -112,7 +112,8 @@ impl Slam {
             let mut state = self.state();
             let finished = match std::mem::replace(&mut *state, State::Empty) {
                 State::Running(slam) => {
-                    Finished::new(slam.finish().map_err(raised)?, self.camera.sensor(), None)
+                    let notices = slam.notices().to_vec();
+                    Finished::new(slam.finish().map_err(raised)?, self.camera.sensor(), notices, None)
                 }
                 State::Finished(finished) => finished,
                 State::Empty => return Err(raised("this Slam could not be finished; reset() starts again")),
@@ -146,7 +147,8 @@ impl Slam {
     fn notices(&self) -> Vec<String> {
         match &*self.state() {
             State::Running(slam) => slam.notices().to_vec(),
-            _ => Vec::new(),
+            State::Finished(finished) => finished.notices.clone(),
+            State::Empty => Vec::new(),
         }
     }
 

@@ -47,6 +47,16 @@ def test_a_run_has_the_bits_of_the_program(town, tmp_path):
     assert trajectory_of(done, tmp_path) == trajectory_of_program(town, tmp_path)
 
 
+def test_a_run_says_which_configuration_was_chosen_as_the_program_does(town, tmp_path):
+    seen = []
+    done = dsslam.run(town, max_frames=2, observer=lambda kind, what: seen.append((kind, what)))
+    said = program("run", town, "--max-frames", 2, "--out", tmp_path / "out").stderr
+    assert "configuration kitti, built in, as the layout suggests" in done.notices
+    assert all(notice in said for notice in done.notices), said
+    assert seen[: len(done.notices)] == [("notice", notice) for notice in done.notices]
+    assert not any("configuration" in notice for notice in dsslam.run(town, "kitti", max_frames=2).notices)
+
+
 def pushed(folder, left, right=None, depth=None, config="kitti"):
     """The frames of a folder pushed one by one: lists of files and times in nanoseconds."""
     slam = dsslam.Slam(config, dsslam.Camera.of_dataset(folder, config))

@@ -95,7 +95,8 @@ def run(
     """Run over a folder of images, a bag, a video or a camera, and return its results (`Finished`).
 
     Without ``config`` the built-in configuration that goes with the layout of the folder is taken. ``observer(kind, what)`` is called
-    with ``("frame", Result)`` for each frame, and with an event and its text for what else happens; what it raises ends the run.
+    with ``("notice", text)`` for what to know before the run (later in `Finished.notices`), such as which configuration was chosen, with
+    ``("frame", Result)`` for each frame, and with an event and its text for what else happens; what it raises ends the run.
     Ctrl-C ends the run; the results so far are returned with ``interrupted`` set. ``mcap`` names a file that poses, transforms, path and
     points are written into while the run goes on, for Foxglove and ROS 2.
 

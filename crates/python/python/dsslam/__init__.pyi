@@ -157,6 +157,8 @@ class Finished:
     sensor: _Sensor
     interrupted: bool
     failure: str | None
+    notices: list[str]
+    """What to know of how the run was set up, such as which configuration was chosen."""
     frames: list[dict[str, Any]]
     """Per frame: index, time_s, t_ns, state, reason, inliers, submap, quality, quality_reasons, covariance and pose (None without one
     of its own)."""
