@@ -6,10 +6,11 @@ use crate::keypoint::{Features, Keypoint};
 use crate::patch::Patch;
 use crate::scales::ScaleLevels;
 use geometry::{Distortion, StereoRig, Vec2, Vec3};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// The camera of a frame: of an RGB-D camera with a virtual baseline, of a single camera with any.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rig {
     /// Pinhole camera and baseline of the undistorted images.
     pub stereo: StereoRig,

@@ -30,11 +30,13 @@ impl<I, T, R> Clone for Arena<I, T, R> {
     }
 }
 
-impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
-    pub(crate) fn new() -> Self {
+impl<I, T, R> Default for Arena<I, T, R> {
+    fn default() -> Self {
         Arena { chunks: Vec::new(), len: 0, n_live: 0, id: PhantomData }
     }
+}
 
+impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
     /// Number of ids given out so far, removed ones included.
     pub(crate) fn len(&self) -> usize {
         self.len
@@ -72,10 +74,7 @@ impl<I: Id, T: Clone, R: Clone> Arena<I, T, R> {
     }
 
     pub(crate) fn get(&self, id: I) -> Option<&T> {
-        match self.slot(id.index())? {
-            Slot::Live(item) => Some(item),
-            Slot::Forwarded(_) | Slot::Removed => None,
-        }
+        self.live_arc(id.index()).map(|item| &**item)
     }
 
     /// An item that must be there: by an invariant of the map or after validation.

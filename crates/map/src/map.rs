@@ -17,7 +17,7 @@ use crate::{Keyframe, KeyframeId, MapPoint, Observation, PointId};
 pub const PROBATION_KEYFRAMES: usize = 3;
 
 /// Keyframes and points with all their relations. `clone` is a cheap snapshot that later mutations leave alone.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Map {
     pub(crate) keyframes: Arena<KeyframeId, Keyframe, RemovedKeyframe>,
     pub(crate) points: Arena<PointId, MapPoint, PointId>,
@@ -41,12 +41,6 @@ pub(crate) struct RemovedKeyframe {
     pub(crate) scale: f64,
 }
 
-impl Default for Map {
-    fn default() -> Self {
-        Map::new()
-    }
-}
-
 impl fmt::Debug for Map {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Map")
@@ -60,15 +54,7 @@ impl fmt::Debug for Map {
 impl Map {
     /// An empty map at revision 0.
     pub fn new() -> Self {
-        Map {
-            keyframes: Arena::new(),
-            points: Arena::new(),
-            roots: Vec::new(),
-            revision: 0,
-            loops: Vec::new(),
-            taken_back: Vec::new(),
-            first_young: Vec::new(),
-        }
+        Self::default()
     }
 
     /// Number of mutations so far.

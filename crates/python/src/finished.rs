@@ -100,9 +100,9 @@ impl Finished {
             let (assessment, covariance) = (&frame.assessment, frame.assessment.covariance);
             row.set_item("quality", assessment.quality)?;
             row.set_item("quality_reasons", reasons(assessment))?;
-            let covariance = covariance.map(|covariance| poses::covariance(py, &covariance.in_camera()));
-            row.set_item("covariance", covariance.transpose()?)?;
-            row.set_item("pose", own_pose(frame).map(|pose| poses::matrix(py, &pose)).transpose()?)?;
+            let covariance = covariance.map(|covariance| poses::covariance(&covariance.in_camera()));
+            row.set_item("covariance", covariance)?;
+            row.set_item("pose", own_pose(frame).as_ref().map(poses::matrix))?;
             Ok(row)
         });
         PyList::new(py, rows.collect::<PyResult<Vec<_>>>()?)

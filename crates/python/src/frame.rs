@@ -1,160 +1,82 @@
 //! What tracking says of a frame.
 
 use dsslam::{Assessment, FrameAnswer};
-use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::poses;
+use crate::poses::{self, Array};
 
 /// What tracking made of a frame. Later corrections of the map move its pose; `Finished` has the final ones.
-#[pyclass(frozen, module = "dsslam")]
+#[pyclass(frozen, get_all, module = "dsslam")]
 pub(crate) struct Result {
-    answer: FrameAnswer,
     /// Time of the frame, nanoseconds.
-    #[pyo3(get)]
     t_ns: i64,
+    index: u32,
+    state: &'static str,
+    reason: Option<String>,
+    is_tracked: bool,
+    pose: Option<Array>,
+    position: Option<Array>,
+    quaternion: Option<Array>,
+    motion: Option<Array>,
+    covariance: Option<Array>,
+    covariance_world: Option<Array>,
+    quality: f64,
+    quality_reasons: Vec<&'static str>,
+    residual_px: Option<f64>,
+    submap: Option<u32>,
+    keyframe: bool,
+    keyframe_reason: Option<String>,
+    relocalized: bool,
+    inliers: usize,
+    matches: usize,
+    features: usize,
+    with_depth: usize,
+    n_keyframes: usize,
+    n_points: usize,
+    track_ms: f64,
 }
 
 impl Result {
-    pub(crate) fn new(answer: FrameAnswer, t_ns: i64) -> Self {
-        Self { answer, t_ns }
+    pub(crate) fn new(answer: &FrameAnswer, t_ns: i64) -> Self {
+        let (pose, assessment) = (answer.world_from_cam, &answer.assessment);
+        let in_world = |pose: dsslam::SE3| Some(assessment.covariance?.in_parent(&pose.rotation));
+        let quaternion = pose.map(|pose| pose.rotation.to_quaternion());
+        Self {
+            t_ns,
+            index: answer.index,
+            state: answer.status.state().key(),
+            reason: answer.status.reason(),
+            is_tracked: answer.status.has_pose(),
+            pose: pose.as_ref().map(poses::matrix),
+            position: pose.map(|pose| poses::vector(pose.translation.as_slice())),
+            quaternion: quaternion.map(|q| poses::vector(&[q.i, q.j, q.k, q.w])),
+            motion: answer.last_from_cam.as_ref().map(poses::matrix),
+            covariance: assessment.covariance.map(|covariance| poses::covariance(&covariance.in_camera())),
+            covariance_world: pose.and_then(in_world).as_ref().map(poses::covariance),
+            quality: assessment.quality,
+            quality_reasons: reasons(assessment),
+            residual_px: assessment.residual_px,
+            submap: answer.submap.map(|root| root.0),
+            keyframe: answer.keyframe.is_some(),
+            keyframe_reason: answer.keyframe.map(|reason| reason.to_string()),
+            relocalized: answer.stats.relocalized,
+            inliers: answer.status.inliers().unwrap_or(0),
+            matches: answer.stats.matches,
+            features: answer.features,
+            with_depth: answer.with_depth,
+            n_keyframes: answer.keyframes,
+            n_points: answer.points,
+            track_ms: answer.track_ms,
+        }
     }
 }
 
 #[pymethods]
 impl Result {
-    #[getter]
-    fn index(&self) -> u32 {
-        self.answer.index
-    }
-
-    #[getter]
-    fn state(&self) -> &'static str {
-        self.answer.status.state().key()
-    }
-
-    #[getter]
-    fn reason(&self) -> Option<String> {
-        self.answer.status.reason()
-    }
-
-    #[getter]
-    fn is_tracked(&self) -> bool {
-        self.answer.status.has_pose()
-    }
-
-    #[getter]
-    fn pose<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.answer.world_from_cam.as_ref().map(|pose| poses::matrix(py, pose)).transpose()
-    }
-
-    #[getter]
-    fn position<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.answer.world_from_cam.map(|pose| PyArray1::from_slice(py, pose.translation.as_slice()))
-    }
-
-    #[getter]
-    fn quaternion<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let quaternion = self.answer.world_from_cam?.rotation.to_quaternion();
-        Some(PyArray1::from_slice(py, &[quaternion.i, quaternion.j, quaternion.k, quaternion.w]))
-    }
-
-    #[getter]
-    fn motion<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.answer.last_from_cam.as_ref().map(|pose| poses::matrix(py, pose)).transpose()
-    }
-
-    #[getter]
-    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.answer
-            .assessment
-            .covariance
-            .map(|covariance| poses::covariance(py, &covariance.in_camera()))
-            .transpose()
-    }
-
-    #[getter]
-    fn covariance_world<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let turned = self.answer.assessment.covariance.zip(self.answer.world_from_cam);
-        turned
-            .map(|(covariance, pose)| poses::covariance(py, &covariance.in_parent(&pose.rotation)))
-            .transpose()
-    }
-
-    #[getter]
-    fn quality(&self) -> f64 {
-        self.answer.assessment.quality
-    }
-
-    #[getter]
-    fn quality_reasons(&self) -> Vec<&'static str> {
-        reasons(&self.answer.assessment)
-    }
-
-    #[getter]
-    fn residual_px(&self) -> Option<f64> {
-        self.answer.assessment.residual_px
-    }
-
-    #[getter]
-    fn submap(&self) -> Option<u32> {
-        self.answer.submap.map(|root| root.0)
-    }
-
-    #[getter]
-    fn keyframe(&self) -> bool {
-        self.answer.keyframe.is_some()
-    }
-
-    #[getter]
-    fn keyframe_reason(&self) -> Option<String> {
-        self.answer.keyframe.map(|reason| reason.to_string())
-    }
-
-    #[getter]
-    fn relocalized(&self) -> bool {
-        self.answer.stats.relocalized
-    }
-
-    #[getter]
-    fn inliers(&self) -> usize {
-        self.answer.status.inliers().unwrap_or(0)
-    }
-
-    #[getter]
-    fn matches(&self) -> usize {
-        self.answer.stats.matches
-    }
-
-    #[getter]
-    fn features(&self) -> usize {
-        self.answer.features
-    }
-
-    #[getter]
-    fn with_depth(&self) -> usize {
-        self.answer.with_depth
-    }
-
-    #[getter]
-    fn n_keyframes(&self) -> usize {
-        self.answer.keyframes
-    }
-
-    #[getter]
-    fn n_points(&self) -> usize {
-        self.answer.points
-    }
-
-    #[getter]
-    fn track_ms(&self) -> f64 {
-        self.answer.track_ms
-    }
-
     fn __repr__(&self) -> String {
-        match self.answer.status.reason() {
-            Some(reason) => format!("Result({}: {}, {reason})", self.answer.index, self.state()),
-            None => format!("Result({}: {}, {} inliers)", self.answer.index, self.state(), self.inliers()),
+        match &self.reason {
+            Some(reason) => format!("Result({}: {}, {reason})", self.index, self.state),
+            None => format!("Result({}: {}, {} inliers)", self.index, self.state, self.inliers),
         }
     }
 }

@@ -1,25 +1,42 @@
 //! Poses as numpy arrays, and back.
 
+use std::convert::Infallible;
+
 use dsslam::SE3;
 use geometry::{Mat6, SO3, Vec3};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3};
+use numpy::ndarray::{Array1, Array2, ArrayD};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyReadonlyArray3, ToPyArray};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// The 16 numbers of a pose, row by row.
-fn values(pose: &SE3) -> [f64; 16] {
-    let matrix = pose.matrix();
-    std::array::from_fn(|i| matrix[(i / 4, i % 4)])
+/// Numbers that are a numpy array in Python.
+#[derive(Clone)]
+pub(crate) struct Array(ArrayD<f64>);
+
+impl<'py> IntoPyObject<'py> for Array {
+    type Target = PyArrayDyn<f64>;
+    type Output = Bound<'py, Self::Target>;
+    type Error = Infallible;
+
+    fn into_pyobject(self, py: Python<'py>) -> Result<Self::Output, Self::Error> {
+        Ok(self.0.to_pyarray(py))
+    }
 }
 
 /// A pose as a 4x4 matrix.
-pub(crate) fn matrix<'py>(py: Python<'py>, pose: &SE3) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    PyArray1::from_slice(py, &values(pose)).reshape([4, 4])
+pub(crate) fn matrix(pose: &SE3) -> Array {
+    let matrix = pose.matrix();
+    Array(Array2::from_shape_fn((4, 4), |at| matrix[at]).into_dyn())
 }
 
-/// A covariance as a 6x6 matrix; it is symmetric, so that the order of rows and columns does not matter.
-pub(crate) fn covariance<'py>(py: Python<'py>, covariance: &Mat6) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    PyArray1::from_slice(py, covariance.as_slice()).reshape([6, 6])
+/// A covariance as a 6x6 matrix.
+pub(crate) fn covariance(covariance: &Mat6) -> Array {
+    Array(Array2::from_shape_fn((6, 6), |at| covariance[at]).into_dyn())
+}
+
+/// A list of numbers.
+pub(crate) fn vector(values: &[f64]) -> Array {
+    Array(Array1::from_vec(values.to_vec()).into_dyn())
 }
 
 /// Poses as an array of shape (N, 4, 4).
@@ -27,7 +44,9 @@ pub(crate) fn matrices<'py>(
     py: Python<'py>,
     poses: impl Iterator<Item = SE3>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let all: Vec<f64> = poses.flat_map(|pose| values(&pose)).collect();
+    // The numbers of the transposed matrix column by column are those of the matrix row by row.
+    let all: Vec<f64> =
+        poses.flat_map(|pose| pose.matrix().transpose().data.0.into_iter().flatten()).collect();
     let n = all.len() / 16;
     PyArray1::from_vec(py, all).reshape([n, 4, 4])
 }

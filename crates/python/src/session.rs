@@ -65,7 +65,7 @@ impl Observer for Telling<'_> {
             }
             if let Event::Frame(answer) = event {
                 let t_ns = self.clock.nanoseconds(answer.timestamp_s);
-                self.observer.call1(py, ("frame", frame::Result::new(answer.as_ref().clone(), t_ns)))?;
+                self.observer.call1(py, ("frame", frame::Result::new(answer, t_ns)))?;
             }
             PyResult::Ok(())
         });
@@ -132,7 +132,8 @@ pub(crate) fn run(
     let stop = Arc::clone(&stop.get().0);
     py.detach(|| {
         let session = Session::open_with(&path, &chosen.config, &options).map_err(raised)?;
-        let layout = chosen.preset.map(|name| format!("configuration {name}, built in, as the layout suggests"));
+        let layout =
+            chosen.preset.map(|name| format!("configuration {name}, built in, as the layout suggests"));
         let notices: Vec<String> =
             layout.into_iter().chain(chosen.notices).chain(session.notices().iter().cloned()).collect();
         if let Some(observer) = &observer {

@@ -104,7 +104,7 @@ impl Slam {
             State::Running(slam) => slam.track(t_ns, images).map_err(raised),
             _ => Err(raised("this Slam is finished; reset() starts again")),
         })?;
-        Ok(Result::new(answer, t_ns))
+        Ok(Result::new(&answer, t_ns))
     }
 
     fn finish(&self, py: Python<'_>) -> PyResult<Finished> {

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::camera::Camera;
-use crate::poses;
+use crate::poses::{self, Array};
 
 /// A rendered town: stereo images with depth, labels and true poses.
 #[pyclass(frozen, module = "dsslam")]
@@ -49,9 +49,9 @@ impl World {
         (self.0.timestamp_s(i) * 1e9).round() as i64
     }
 
-    fn pose<'py>(&self, py: Python<'py>, i: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn pose(&self, i: usize) -> PyResult<Array> {
         self.check(i)?;
-        poses::matrix(py, &self.0.world_from_cam(i))
+        Ok(poses::matrix(&self.0.world_from_cam(i)))
     }
 
     #[expect(clippy::type_complexity, reason = "a pair of arrays")]
@@ -74,7 +74,7 @@ impl World {
         all.set_item("right", image(py, &frame.right)?)?;
         all.set_item("depth", image(py, &frame.depth_m)?)?;
         all.set_item("labels", image(py, &frame.labels)?)?;
-        all.set_item("pose", poses::matrix(py, &frame.world_from_cam)?)?;
+        all.set_item("pose", poses::matrix(&frame.world_from_cam))?;
         Ok(all)
     }
 }

@@ -218,7 +218,7 @@ impl FrameDetails {
     pub(crate) fn new(
         answer: FrameAnswer,
         (frame, images): (Arc<Frame>, Option<SourceImages>),
-        tracked: &mut Tracked,
+        (tracked, trust): (&mut Tracked, Vec<f32>),
         view: &View,
         stages: Vec<(&'static str, f64)>,
     ) -> Self {
@@ -233,8 +233,8 @@ impl FrameDetails {
             pose,
             scale: pose.map_or(1.0, |pose| map.scale_of(pose.keyframe)),
             world_from_cam: cam_from_world.normalized().inverse(),
-            trust: std::mem::take(&mut tracked.trust),
             matched: std::mem::take(&mut tracked.matched),
+            trust,
             inliers: std::mem::take(&mut tracked.inliers),
             stages,
         }

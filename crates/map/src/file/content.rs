@@ -1,9 +1,11 @@
-//! The records of format version 3: plain numbers, apart from the types of the program, so that those can change.
+//! The records of format version 3: plain numbers, apart from the types of the program, so that those can change; of these
+//! only the camera is written as it is.
 //!
-//! Ids are their numbers. A change of any record here needs a new format version.
+//! Ids are their numbers. A change of any record here, or of [`Rig`], needs a new format version.
 
 use std::borrow::Cow;
 
+use features::Rig;
 use serde::{Deserialize, Serialize};
 
 /// A whole map.
@@ -12,7 +14,8 @@ pub(super) struct Content<'a> {
     pub(super) revision: u64,
     /// See the field of the same name in `Map`.
     pub(super) first_young: Vec<u32>,
-    pub(super) rigs: Vec<RigRecord>,
+    /// Cameras, shared by many frames.
+    pub(super) rigs: Vec<Rig>,
     pub(super) scales: Vec<ScalesRecord>,
     /// One per id ever given out.
     #[serde(borrow)]
@@ -21,17 +24,6 @@ pub(super) struct Content<'a> {
     pub(super) points: Vec<PointSlot>,
     /// Those that can be taken back.
     pub(super) loops: Vec<LoopRecord>,
-}
-
-/// A camera, shared by many frames.
-#[derive(Clone, Serialize, Deserialize)]
-pub(super) struct RigRecord {
-    /// fx, fy, cx, cy in pixels, baseline in meters.
-    pub(super) stereo: [f64; 5],
-    /// k1, k2, p1, p2, k3.
-    pub(super) distortion: [f64; 5],
-    pub(super) width: u32,
-    pub(super) height: u32,
 }
 
 /// Pyramid levels, shared by many frames.

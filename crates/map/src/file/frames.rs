@@ -6,7 +6,7 @@ use std::sync::Arc;
 use features::{Descriptor, Features, Frame, Keypoint, Rig, ScaleLevels};
 use geometry::{Distortion, Pinhole, StereoRig};
 
-use super::content::{FrameRecord, RigRecord, ScalesRecord};
+use super::content::{FrameRecord, ScalesRecord};
 
 /// Cameras and pyramid levels that frames refer to by index.
 #[derive(Default)]
@@ -111,30 +111,13 @@ fn numbers(column: &[u8], n: usize) -> Result<Vec<f32>, String> {
     Ok((0..n).map(|i| f32::from_le_bytes(std::array::from_fn(|place| column[place * n + i]))).collect())
 }
 
-impl RigRecord {
-    pub(super) fn of(rig: &Rig) -> Self {
-        let Pinhole { fx, fy, cx, cy } = rig.stereo.camera;
-        let Distortion { k1, k2, p1, p2, k3 } = rig.distortion;
-        let side = |n: usize| u32::try_from(n).expect("an image side below 2^32");
-        RigRecord {
-            stereo: [fx, fy, cx, cy, rig.stereo.baseline_m],
-            distortion: [k1, k2, p1, p2, k3],
-            width: side(rig.width),
-            height: side(rig.height),
-        }
-    }
-
-    pub(super) fn rig(&self) -> Result<Arc<Rig>, String> {
-        let [fx, fy, cx, cy, baseline_m] = self.stereo;
-        let [k1, k2, p1, p2, k3] = self.distortion;
-        if !self.stereo.iter().chain(&self.distortion).all(|x| x.is_finite()) {
-            return Err("a number of a camera is not finite".to_owned());
-        }
-        let stereo = StereoRig { camera: Pinhole { fx, fy, cx, cy }, baseline_m };
-        let distortion = Distortion { k1, k2, p1, p2, k3 };
-        let (width, height) = (self.width as usize, self.height as usize);
-        Ok(Arc::new(Rig { stereo, distortion, width, height }))
-    }
+/// A camera whose numbers are finite.
+pub(super) fn finite(rig: &Rig) -> Result<Arc<Rig>, String> {
+    let StereoRig { camera: Pinhole { fx, fy, cx, cy }, baseline_m } = rig.stereo;
+    let Distortion { k1, k2, p1, p2, k3 } = rig.distortion;
+    let numbers = [fx, fy, cx, cy, baseline_m, k1, k2, p1, p2, k3];
+    let is_finite = numbers.iter().all(|x| x.is_finite());
+    is_finite.then(|| Arc::new(rig.clone())).ok_or("a number of a camera is not finite".to_owned())
 }
 
 impl ScalesRecord {

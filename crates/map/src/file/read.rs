@@ -9,9 +9,9 @@ use geometry::{Mat3, SE3, SO3, Vec3};
 
 use super::MapFileError;
 use super::content::{
-    Content, KeyframeRecord, KeyframeSlot, LoopRecord, PointRecord, PointSlot, RigRecord, ScalesRecord,
+    Content, KeyframeRecord, KeyframeSlot, LoopRecord, PointRecord, PointSlot, ScalesRecord,
 };
-use super::frames::Shared;
+use super::frames::{Shared, finite};
 use crate::map::RemovedKeyframe;
 use crate::{ClosedLoop, Keyframe, KeyframeId, MAX_BELIEF, Map, MapPoint, Observation, PointId};
 
@@ -47,7 +47,7 @@ fn inconsistent(violations: Vec<crate::Violation>) -> MapFileError {
 }
 
 fn place_keyframes(map: &mut Map, content: &Content<'_>) -> Result<(), MapFileError> {
-    let rigs = content.rigs.iter().map(RigRecord::rig).collect::<Result<_, _>>();
+    let rigs = content.rigs.iter().map(finite).collect::<Result<_, _>>();
     let scales = content.scales.iter().map(ScalesRecord::scales).collect::<Result<_, _>>();
     let shared = Shared {
         rigs: rigs.map_err(MapFileError::malformed)?,

@@ -1,8 +1,7 @@
 //! A map as records: the facts only, nothing that follows from them.
 
 use super::content::{
-    Content, KeyframeRecord, KeyframeSlot, LoopRecord, PointRecord, PointSlot, RemovedRecord, RigRecord,
-    ScalesRecord,
+    Content, KeyframeRecord, KeyframeSlot, LoopRecord, PointRecord, PointSlot, RemovedRecord, ScalesRecord,
 };
 use super::frames::Shared;
 use crate::ids::Id;
@@ -17,7 +16,7 @@ pub(super) fn content_of(map: &Map) -> Vec<u8> {
     let content = Content {
         revision: map.revision,
         first_young: map.first_young.iter().map(|p| p.0).collect(),
-        rigs: shared.rigs.iter().map(|rig| RigRecord::of(rig)).collect(),
+        rigs: shared.rigs.iter().map(|rig| rig.as_ref().clone()).collect(),
         scales: shared.scales.iter().map(|scales| ScalesRecord::of(scales)).collect(),
         keyframes,
         points: (0..map.points.len()).map(|i| point_slot(map, PointId::from_index(i))).collect(),

@@ -96,7 +96,8 @@ impl TrackStage {
         let timings = watch.finish();
         if self.details {
             let (answer, stages) = (answer.clone(), timings.stages.clone());
-            let details = FrameDetails::new(answer, (frame, images), &mut tracked, &view, stages);
+            let trust = self.tracker.trust(&view.world.map, &tracked.matched);
+            let details = FrameDetails::new(answer, (frame, images), (&mut tracked, trust), &view, stages);
             emit(Event::Details(Arc::new(details)));
         }
         let seen = Seen::After(view.operation, view.idle);

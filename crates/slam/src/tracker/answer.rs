@@ -86,8 +86,6 @@ pub struct Tracked {
     pub stats: TrackStats,
     /// All matches of features with map points, sorted by feature.
     pub matched: Vec<(u32, PointId)>,
-    /// Probability, of all that is known with this frame, that the point of each of them stands still.
-    pub trust: Vec<f32>,
     /// Those of them that agree with the pose.
     pub inliers: Vec<(u32, PointId)>,
     /// How far features were moved to where their points look the same, `(feature, dx, dy)` in pixels.
@@ -106,7 +104,6 @@ impl Tracked {
             keyframe: None,
             stats: TrackStats::default(),
             matched: Vec::new(),
-            trust: Vec::new(),
             inliers: Vec::new(),
             shifts: Vec::new(),
             assessment: Assessment::default(),

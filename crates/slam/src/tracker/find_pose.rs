@@ -4,6 +4,7 @@ use features::Frame;
 use map::KeyframeId;
 
 use super::Tracker;
+use super::inertia::Inertia;
 use super::last_frame::LastFrame;
 use super::local_map::{LocalMap, LocallyTracked};
 use super::predict::Attempt;
@@ -28,9 +29,10 @@ impl Tracker {
             (Some(_), _) => &[Attempt::ReferenceKeyframe, Attempt::Motion, Attempt::Relocalization],
             (None, _) => &[Attempt::Relocalization],
         };
+        let inertia = last.and_then(|last| self.inertia(frame, &world.map, last));
         let mut reason: Option<Lost> = None;
         for &attempt in attempts {
-            let lost = match self.attempt(attempt, frame, world, last, probe) {
+            let lost = match self.attempt(attempt, frame, world, last, inertia, probe) {
                 Ok(local) => return Ok(local),
                 Err(lost) => lost,
             };
@@ -47,10 +49,11 @@ impl Tracker {
         frame: &Frame,
         world: &World,
         last: Option<&LastFrame>,
+        inertia: Option<Inertia>,
         probe: &mut dyn Probe,
     ) -> Result<LocallyTracked, Lost> {
         let (map, tracking) = (&world.map, &self.params.tracking);
-        let predicted = staged(probe, Stage::Predict, || self.predict(attempt, frame, world, last))?;
+        let predicted = staged(probe, Stage::Predict, || self.predict(attempt, frame, world, last, inertia))?;
         let fallback = last.map_or(KeyframeId(0), |last| last.pose.keyframe);
         let local = staged(probe, Stage::LocalMap, || {
             let local = LocalMap::gather(map, &predicted.matches, fallback, tracking);
@@ -61,8 +64,7 @@ impl Tracker {
         if found < needed {
             return Err(Lost::TooFewLocalInliers { found, needed });
         }
-        let inertia =
-            last.filter(|_| attempt != Attempt::Relocalization).and_then(|l| self.inertia(frame, map, l));
+        let inertia = inertia.filter(|_| attempt != Attempt::Relocalization);
         inertia.map_or(Ok(()), |inertia| inertia.check(&local.cam_from_world))?;
         Ok(local)
     }

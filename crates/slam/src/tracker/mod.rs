@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 use features::Frame;
 use geometry::SE3;
-use map::{Map, RelativePose};
+use map::{Map, PointId, RelativePose};
 
 use crate::lost::NotReady;
 use crate::params::Params;
@@ -134,6 +134,11 @@ impl Tracker {
         }
     }
 
+    /// Probability, of all that is known with the last frame, that the point of each of its matches in this map stands still.
+    pub fn trust(&self, map: &Map, matches: &[(u32, PointId)]) -> Vec<f32> {
+        matches.iter().map(|&(_, id)| self.beliefs.trust(map, id)).collect()
+    }
+
     /// The frame has a pose: remembers it, and decides whether it becomes a keyframe.
     fn accept(
         &mut self,
@@ -154,7 +159,6 @@ impl Tracker {
             add_evidence(&mut local, frame, map, yardstick, camera.feature_sigma_px);
         }
         self.beliefs.add(map, &local.counts);
-        let trust = local.matched.iter().map(|&(_, id)| self.beliefs.trust(map, id)).collect();
         self.velocity = last.filter(|_| !local.stats.relocalized).map(|last| {
             let seconds = last.seconds_to(frame);
             MotionModel::between(&last.cam_from_world(map), &local.cam_from_world, seconds)
@@ -184,7 +188,6 @@ impl Tracker {
             keyframe,
             stats: local.stats,
             matched: local.matched,
-            trust,
             inliers: local.matches,
             shifts: local.shifts,
             assessment,

@@ -58,9 +58,10 @@ impl Tracker {
         frame: &Frame,
         world: &World,
         last: Option<&LastFrame>,
+        inertia: Option<Inertia>,
     ) -> Result<Prediction, Lost> {
         match (attempt, last) {
-            (Attempt::Motion, Some(last)) => self.predict_by_motion(frame, &world.map, last),
+            (Attempt::Motion, Some(last)) => self.predict_by_motion(frame, &world.map, last, inertia),
             (Attempt::ReferenceKeyframe, Some(last)) => {
                 Ok(attempt.gave(track_reference_keyframe(frame, &world.map, last, &self.params)?))
             }
@@ -69,11 +70,17 @@ impl Tracker {
     }
 
     /// Searches the last frame's points from where the motion model puts the camera; after a loss also from where it was.
-    fn predict_by_motion(&self, frame: &Frame, map: &Map, last: &LastFrame) -> Result<Prediction, Lost> {
+    fn predict_by_motion(
+        &self,
+        frame: &Frame,
+        map: &Map,
+        last: &LastFrame,
+        inertia: Option<Inertia>,
+    ) -> Result<Prediction, Lost> {
         let rest = last.cam_from_world(map);
         let Some(velocity) = &self.velocity else { return self.predict_at(&rest, None, frame, map, last) };
         let predicted = velocity.motion_over(last.seconds_to(frame)) * rest;
-        let moving = self.predict_at(&predicted, self.inertia(frame, map, last), frame, map, last);
+        let moving = self.predict_at(&predicted, inertia, frame, map, last);
         match moving {
             Err(lost) if self.loss.is_lost => {
                 self.predict_at(&rest, None, frame, map, last).map_err(|l| lost.further(l))

@@ -80,7 +80,7 @@ fn predicted(pose: &SE3, velocity: Option<SE3>, shots: &[Shot], params: &Params)
     let mut tracker = Tracker::new(params.clone());
     tracker.velocity = velocity.map(|motion| MotionModel::between(&SE3::identity(), &motion, 0.1));
     let frame: Arc<Frame> = scene.frame(1, pose, shots);
-    tracker.predict_by_motion(&frame, &map, &last)
+    tracker.predict_by_motion(&frame, &map, &last, tracker.inertia(&frame, &map, &last))
 }
 
 #[test]
@@ -134,7 +134,9 @@ fn after_a_loss_the_camera_may_have_gone_on_or_stayed() {
         [(true, on, true), (true, SE3::identity(), true), (false, SE3::identity(), false)]
     {
         tracker.loss.is_lost = is_lost;
-        let found = tracker.predict_by_motion(&scene.frame(1, &pose, &all(N)), &map, &last);
+        let frame = scene.frame(1, &pose, &all(N));
+        let inertia = tracker.inertia(&frame, &map, &last);
+        let found = tracker.predict_by_motion(&frame, &map, &last, inertia);
         assert_eq!(found.is_ok(), is_found);
         if let Ok(found) = found {
             assert!(gap(&found.cam_from_world, &pose) < 1e-3);
