@@ -250,9 +250,7 @@ impl Evaluation {
             per_length: drift.per_length,
             rpe_m: relative.as_ref().map(|r| r.translation),
             rpe_deg: relative.as_ref().map(|r| r.rotation_deg),
-            scale_drift_percent_per_100m: scale_drift(&est, &gt, options.scale_window_m)
-                .ok()
-                .map(|s| s.percent_per_100m),
+            scale_drift_percent_per_100m: scale_drift(&est, &gt, options.scale_window_m).ok(),
             path_m: path_lengths(&matched.gt).last().copied().unwrap_or_default(),
             end_error_m: end_error(&moved, &gt),
             coverage,

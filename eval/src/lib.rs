@@ -35,5 +35,5 @@ pub use evaluation::{Estimate, Evaluation, EvaluationOptions, LostFrames, Matche
 pub use loops::{LoopScore, LoopTruth, SamePlace, score_loops};
 pub use precision_recall::{Detection, PrecisionRecall, PrecisionRecallCurve, precision_recall};
 pub use rpe::{DeltaUnit, PairMode, RpeOptions, RpeReport, rpe};
-pub use scale_drift::{ScaleDrift, ScaleWindow, scale_drift};
+pub use scale_drift::scale_drift;
 pub use statistics::Statistics;

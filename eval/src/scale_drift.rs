@@ -6,32 +6,15 @@ use geometry::{SE3, Vec3};
 use crate::alignment::{check_matched, positions};
 use crate::drift::path_lengths;
 
-/// Scale of one window of the path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScaleWindow {
-    /// True path length at the middle of the window, meters.
-    pub at_m: f64,
-    /// True size over estimated size.
-    pub scale: f64,
-}
-
-/// Change of scale along a path.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ScaleDrift {
-    /// Scale of each window, in order.
-    pub windows: Vec<ScaleWindow>,
-    /// Slope of the logarithm of scale by least squares over all windows, percent per 100 m.
-    pub percent_per_100m: f64,
-}
-
-/// Scale drift of matched poses, in windows of `window_m` meters of the ground truth.
+/// Scale drift of matched poses, in windows of `window_m` meters of the ground truth: slope of the logarithm of scale by least
+/// squares over all windows, percent per 100 m.
 ///
 /// The scale of a window is the ratio of the two point sets' spreads about their centroids (Horn, JOSA 1987, the
 /// symmetric solution): it needs no rotation, so that straight windows have one too.
 ///
 /// # Errors
 /// Different lengths, a window that is not positive, fewer than two windows, or an estimate that stands still in one.
-pub fn scale_drift(est: &[SE3], gt: &[SE3], window_m: f64) -> Result<ScaleDrift> {
+pub fn scale_drift(est: &[SE3], gt: &[SE3], window_m: f64) -> Result<f64> {
     check_matched(est, gt)?;
     ensure!(window_m.is_finite() && window_m > 0.0, "the window must be positive, found {window_m} m");
     let traveled = path_lengths(gt);
@@ -44,8 +27,7 @@ pub fn scale_drift(est: &[SE3], gt: &[SE3], window_m: f64) -> Result<ScaleDrift>
         }
         let (true_spread, spread) = (spread(&gt[start..=end]), spread(&est[start..=end]));
         ensure!(spread > 0.0, "the estimate stands still from pose {start} to {end}: it has no scale there");
-        windows
-            .push(ScaleWindow { at_m: 0.5 * (traveled[start] + traveled[end]), scale: true_spread / spread });
+        windows.push((0.5 * (traveled[start] + traveled[end]), (true_spread / spread).ln()));
         start = end;
     }
     ensure!(
@@ -53,7 +35,7 @@ pub fn scale_drift(est: &[SE3], gt: &[SE3], window_m: f64) -> Result<ScaleDrift>
         "scale drift needs two windows of {window_m} m, the path has {:.1} m",
         traveled[traveled.len() - 1]
     );
-    Ok(ScaleDrift { percent_per_100m: 100.0 * ((100.0 * slope_of_log(&windows)).exp() - 1.0), windows })
+    Ok(100.0 * ((100.0 * slope(&windows)).exp() - 1.0))
 }
 
 /// Root mean square distance from the centroid, meters.
@@ -63,12 +45,13 @@ fn spread(points: &[Vec3]) -> f64 {
     (points.iter().map(|p| (p - center).norm_squared()).sum::<f64>() / n).sqrt()
 }
 
-fn slope_of_log(windows: &[ScaleWindow]) -> f64 {
-    let n = windows.len() as f64;
-    let mean_x = windows.iter().map(|w| w.at_m).sum::<f64>() / n;
-    let mean_y = windows.iter().map(|w| w.scale.ln()).sum::<f64>() / n;
-    let xy: f64 = windows.iter().map(|w| (w.at_m - mean_x) * (w.scale.ln() - mean_y)).sum();
-    let xx: f64 = windows.iter().map(|w| (w.at_m - mean_x).powi(2)).sum();
+/// Slope of the line through points `(x, y)` by least squares.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let mean_x = points.iter().map(|(x, _)| x).sum::<f64>() / n;
+    let mean_y = points.iter().map(|(_, y)| y).sum::<f64>() / n;
+    let xy: f64 = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();
+    let xx: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
     xy / xx
 }
 
@@ -92,8 +75,7 @@ mod tests {
         let gt = straight((0..500).map(|_| 1.0));
         let est = straight((0..500).map(|_| 0.25));
         let drift = scale_drift(&est, &gt, 50.0).unwrap();
-        assert!(drift.windows.iter().all(|w| (w.scale - 4.0).abs() < 1e-9));
-        assert!(drift.percent_per_100m.abs() < 1e-9);
+        assert!(drift.abs() < 1e-9);
     }
 
     #[test]
@@ -102,11 +84,7 @@ mod tests {
         let gt = straight((0..2000).map(|_| 0.5));
         let est = straight((0..2000).map(|i| 0.5 * 0.98_f64.powf(f64::from(i) * 0.5 / 100.0)));
         let drift = scale_drift(&est, &gt, 20.0).unwrap();
-        assert!(
-            (drift.percent_per_100m - 100.0 * (1.0 / 0.98 - 1.0)).abs() < 1e-3,
-            "{}",
-            drift.percent_per_100m
-        );
+        assert!((drift - 100.0 * (1.0 / 0.98 - 1.0)).abs() < 1e-3, "{drift}");
     }
 
     #[test]

@@ -86,7 +86,7 @@ pub(super) fn calibrations(bytes: &[u8]) -> String {
 pub(super) fn trajectories(bytes: &[u8]) -> String {
     in_file("trajectory.txt", bytes, |path| {
         let read = io::read_trajectory(path, None);
-        said(read.map(|file| file.with_frame_times(&[1.0, 1.5])))
+        said(read.map(|file| file.at_frames(&[1.0, 1.5], 0)))
     })
 }
 

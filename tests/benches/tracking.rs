@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use features::{Rig, SelectionConfig, SelectionRule, Spread};
 use geometry::GrayImage;
-use runtime::{Schedule, Selection, SequenceFeed, Setup, Silent};
+use runtime::{Preparation, Schedule, Selection, SequenceFeed, Setup, Silent};
 
 /// Calls of OpenCV's ORB before and after the run; the median of all is U.
 const N_UNIT: usize = 20;
@@ -56,7 +56,7 @@ fn main() {
         schedule: Schedule::Sequential,
         ..Setup::new(runtime::Sensor::Stereo, Arc::new(rig), params)
     };
-    let feed = SequenceFeed::new(&sequence, None);
+    let feed = SequenceFeed::prepared(&sequence, Preparation::new(&sequence, 1.0), None);
     let threads = rayon::current_num_threads();
     println!("{threads} threads, U: OpenCV ORB, 2000 features, one thread");
     measure("response, 2000 features", &image, &feed, &all);

@@ -18,7 +18,7 @@ use eval::{Estimate, Evaluation, EvaluationOptions};
 use features::{ActivationError, ActivationMap, ActivationSource};
 use geometry::{GrayImage, Raster};
 use io::{Sequence, Trajectory};
-use runtime::{RunOutcome, Selection, SequenceFeed, Setup, Silent};
+use runtime::{Preparation, RunOutcome, Selection, SequenceFeed, Setup, Silent};
 
 /// Pixels of an image per value of its activation map, in both directions.
 const CELL: usize = 8;
@@ -38,7 +38,7 @@ fn main() -> Result<(), Failure> {
     };
     let sequence = io::open_sequence(Path::new(path), Some(io::Sensor::Stereo))?;
     let truth = sequence.ground_truth.clone().ok_or("the sequence has no true poses")?;
-    let feed = SequenceFeed::new(&sequence, max_frames);
+    let feed = SequenceFeed::prepared(&sequence, Preparation::new(&sequence, 1.0), max_frames);
     let masks = Arc::new(Masks::read(&sequence, max_frames)?);
     println!("{}: {:.1} % of the pixels move", sequence.name, 100.0 * masks.share_moving);
     let network = Arc::new(dsfeat::Network::load(dsfeat::BUILT_IN, None, 1)?);

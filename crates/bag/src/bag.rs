@@ -11,11 +11,6 @@ use crate::storage::{Place, Seen};
 use crate::topic::{Kind, Topic};
 use crate::wire::{Decoded, Wire};
 
-/// Whether a path is a bag by its name, or a folder with one.
-pub fn is_bag(path: &Path) -> bool {
-    metadata::is_bag(path)
-}
-
 /// An image's stamp and where it lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {

@@ -18,9 +18,10 @@ mod storage;
 mod topic;
 mod wire;
 
-pub use bag::{Bag, PoseStream, Stamp, is_bag};
+pub use bag::{Bag, PoseStream, Stamp};
 pub use choice::{Choice, Role, Roles, choose};
 pub use error::BagError;
 pub use image::Picture;
 pub use messages::{CameraInfo, StampedTransform};
+pub use metadata::is_bag;
 pub use topic::{Kind, Topic};

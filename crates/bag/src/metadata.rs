@@ -43,7 +43,7 @@ pub(crate) struct Files {
 }
 
 /// Whether a path is a bag by its name, or a folder with one and without further folders, as rosbag2 makes them.
-pub(crate) fn is_bag(path: &Path) -> bool {
+pub fn is_bag(path: &Path) -> bool {
     if !path.is_dir() {
         return is_named(path) && path.is_file();
     }

@@ -27,24 +27,9 @@ impl DirectIndex {
         Self { nodes, ends, features }
     }
 
-    /// Number of nodes that have features.
-    pub fn len(&self) -> usize {
-        self.nodes.len()
-    }
-
-    /// Whether there is no feature at all.
-    pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
-    }
-
     /// (node, its features), ascending nodes, ascending features.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &[u32])> + '_ {
         self.nodes.iter().enumerate().map(|(i, &node)| (node, self.group(i)))
-    }
-
-    /// Features under a node; none for a node that does not occur.
-    pub fn features_of(&self, node: u32) -> &[u32] {
-        self.nodes.binary_search(&node).map_or(&[], |i| self.group(i))
     }
 
     /// Pairs of feature groups of the nodes that both indices have, ascending nodes.
@@ -72,21 +57,17 @@ mod tests {
         let index = DirectIndex::from_nodes(&[5, 2, 5, 9, 2]);
         let groups: Vec<_> = index.iter().collect();
         assert_eq!(groups, [(2, &[1, 4][..]), (5, &[0, 2][..]), (9, &[3][..])]);
-        assert_eq!(index.features_of(5), [0, 2]);
-        assert!(index.features_of(3).is_empty());
         assert_eq!(DirectIndex::from_nodes(&[]), DirectIndex::default());
-        assert!(DirectIndex::default().is_empty());
     }
 
     proptest! {
         #[test]
         fn common_nodes_are_those_of_both(a in prop::collection::vec(0u32..30, 0..40), b in prop::collection::vec(0u32..30, 0..40)) {
             let (a, b) = (DirectIndex::from_nodes(&a), DirectIndex::from_nodes(&b));
-            let expected: Vec<_> = (0..30)
-                .map(|node| (a.features_of(node), b.features_of(node)))
-                .filter(|(x, y)| !x.is_empty() && !y.is_empty())
-                .collect();
-            prop_assert_eq!(a.common(&b).collect::<Vec<_>>(), expected);
+            let of = |index: &'_ DirectIndex, node| index.iter().find(|group| group.0 == node).map(|group| group.1.to_vec());
+            let expected: Vec<_> = (0..30).filter_map(|node| of(&a, node).zip(of(&b, node))).collect();
+            let found = a.common(&b).map(|(x, y)| (x.to_vec(), y.to_vec()));
+            prop_assert_eq!(found.collect::<Vec<_>>(), expected);
         }
     }
 }

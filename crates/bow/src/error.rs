@@ -94,8 +94,4 @@ impl VocabularyError {
     pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> Self {
         Self::Unreadable { path: path.to_path_buf(), reason: error.to_string() }
     }
-
-    pub(crate) fn format(path: &Path, problem: FormatError) -> Self {
-        Self::Format { path: path.to_path_buf(), problem }
-    }
 }

@@ -60,7 +60,8 @@ pub fn open_with_format(path: &Path) -> Result<(Vocabulary, Format), VocabularyE
     } else {
         (Vocabulary::from_block(block), Format::Binary)
     };
-    let vocabulary = result.map_err(|problem| VocabularyError::format(path, problem))?;
+    let vocabulary =
+        result.map_err(|problem| VocabularyError::Format { path: path.to_path_buf(), problem })?;
     Ok((vocabulary, format))
 }
 

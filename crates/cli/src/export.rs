@@ -100,7 +100,9 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Exit, Failure> {
         Format::Nerfstudio => write_nerfstudio(args, &scene, images.as_ref())?,
         Format::Tum | Format::Kitti => write_trajectory(args, &scene, &info, None)?,
         Format::Euroc | Format::Vslamlab => {
-            write_trajectory(args, &scene, &info, body(args, &info).or_input()?)?;
+            let body_from_left = body_of_text(&info.body_from_left);
+            let body_from_left = body_from_left.with_context(|| args.map.display().to_string()).or_input()?;
+            write_trajectory(args, &scene, &info, body_from_left)?;
         }
         Format::Mcap => {}
     }
@@ -139,7 +141,8 @@ pub(crate) fn find_images(scene: &Scene, info: &MapFileInfo, dir: &Path) -> anyh
 
 pub(crate) fn describe(args: &ExportArgs, info: &MapFileInfo, scene: &Scene) {
     let map = args.with_map.as_ref().unwrap_or(&args.map).display();
-    console::say(format!("map          {map}: {} of {}", kind(info), info.sequence));
+    let kind = info.sensor.map_or("a map".to_owned(), |sensor| format!("{sensor} map"));
+    console::say(format!("map          {map}: {kind} of {}", info.sequence));
     let submap = if scene.n_submaps > 1 {
         format!(" (sub-map {} of {})", args.submap, scene.n_submaps)
     } else {
@@ -165,10 +168,6 @@ pub(crate) fn describe(args: &ExportArgs, info: &MapFileInfo, scene: &Scene) {
             scene.n_behind
         )));
     }
-}
-
-fn kind(info: &MapFileInfo) -> String {
-    info.sensor.map_or("a map".to_owned(), |sensor| format!("{sensor} map"))
 }
 
 /// The colors of the points; the images are written into `folder` where there is one.
@@ -208,7 +207,8 @@ pub(crate) fn written(what: &str, place: &Path) {
 fn write_ply(args: &ExportArgs, scene: &Scene, images: Option<&SceneImages>) -> Result<(), Failure> {
     let colors = colors(args, scene, images, None)?;
     let bytes = ::export::ply(scene, &colors, PlyFrame::Map);
-    write_file(&args.out, &bytes).or_output()?;
+    io::create_output_folder(folder_of(&args.out)).or_output()?;
+    io::write_atomic(&args.out, &bytes).or_output()?;
     written("PLY", &args.out);
     Ok(())
 }
@@ -255,11 +255,6 @@ fn tell_of_images(images: Option<&SceneImages>, folder: &Path) {
     }
 }
 
-/// The left camera in the body.
-fn body(args: &ExportArgs, info: &MapFileInfo) -> anyhow::Result<Option<SE3>> {
-    body_of_text(&info.body_from_left).with_context(|| args.map.display().to_string())
-}
-
 /// Poses of the body where it is given, else of the left camera.
 fn write_trajectory(
     args: &ExportArgs,
@@ -283,9 +278,4 @@ fn write_trajectory(
     .or_output()?;
     written(&format!("{} poses of the {whose}", trajectory.poses.len()), &args.out);
     Ok(())
-}
-
-fn write_file(file: &Path, bytes: &[u8]) -> Result<(), io::FileError> {
-    io::create_output_folder(folder_of(file))?;
-    io::write_atomic(file, bytes)
 }

@@ -1,7 +1,7 @@
 //! The figures that a run rests on, shown before its first frame; with `--strict` a doubt refuses the run.
 
 use anyhow::anyhow;
-use dsslam::{Doubt, Figures, Session};
+use dsslam::{Figures, Session};
 
 use crate::console::{self, Level, Message};
 use crate::exit::{Failure, OrExit};
@@ -17,7 +17,7 @@ pub(crate) fn show(session: &Session, is_strict: bool) -> Result<Figures, Failur
         console::note(message.event("figure").with("name", figure.name).with("text", figure.text.as_str()));
     }
     for doubt in &figures.doubts {
-        console::note(warning(doubt));
+        console::note(console::warning(&doubt.text).event("doubt").with("rule", doubt.rule));
     }
     match figures.doubts.len() {
         n if n > 0 && is_strict => {
@@ -27,9 +27,4 @@ pub(crate) fn show(session: &Session, is_strict: bool) -> Result<Figures, Failur
         }
         _ => Ok(figures),
     }
-}
-
-/// A doubt as a message, which names its rule for programs.
-pub(crate) fn warning(doubt: &Doubt) -> Message {
-    console::warning(&doubt.text).event("doubt").with("rule", doubt.rule)
 }

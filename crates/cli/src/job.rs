@@ -13,12 +13,11 @@ use crate::clock::StopWatch;
 use crate::console;
 use crate::exit::{Exit, Failure, OrExit};
 use crate::figures;
-use crate::outputs::{self, Part, Written};
+use crate::outputs::{self, Part};
 use crate::report;
 use crate::results::ResultsFolder;
 use crate::show::{self, Audience};
 use crate::stop;
-use crate::summary;
 
 /// What the command line asks of a run, beside its frames and parameters.
 #[derive(Clone, Debug, Default)]
@@ -69,29 +68,14 @@ impl Job {
         self.session.input().sequence()
     }
 
-    /// What goes into the summary beside the outcome.
-    fn context(&self) -> summary::Context {
-        let (sequence, setup) = (self.sequence(), self.session.setup());
-        summary::Context {
-            sequence: sequence.name.clone(),
-            sensor: sequence.sensor,
-            seed: setup.slam.seed,
-            schedule: schedule_name(setup.schedule, self.wishes.replay.is_some()),
-            preset: self.wishes.preset,
-            notices: [&self.wishes.notices[..], self.session.notices()].concat(),
-            figures: self.figures.clone(),
-            scale_against_truth: None,
+    /// How tracking and mapping are interleaved, in one word.
+    pub(crate) fn schedule(&self) -> &'static str {
+        match self.session.setup().schedule {
+            _ if self.wishes.replay.is_some() => "replay",
+            Schedule::Sequential => "sequential",
+            Schedule::Lockstep => "lockstep",
+            Schedule::Live { .. } => "live",
         }
-    }
-}
-
-/// How tracking and mapping are interleaved, in one word.
-fn schedule_name(schedule: Schedule, is_replay: bool) -> &'static str {
-    match schedule {
-        _ if is_replay => "replay",
-        Schedule::Sequential => "sequential",
-        Schedule::Lockstep => "lockstep",
-        Schedule::Live { .. } => "live",
     }
 }
 
@@ -113,11 +97,12 @@ pub(crate) fn run(session: Session, wishes: Wishes, watch: StopWatch) -> Result<
 }
 
 fn execute(job: &Job, stop: &AtomicBool) -> Result<Exit, Failure> {
-    let (session, mut context) = (&job.session, job.context());
-    for notice in &context.notices {
+    let session = &job.session;
+    let mut notices = [&job.wishes.notices[..], session.notices()].concat();
+    for notice in &notices {
         console::note(console::warning(notice));
     }
-    context.notices.extend(job.figures.doubts.iter().map(|doubt| doubt.text.clone()));
+    notices.extend(job.figures.doubts.iter().map(|doubt| doubt.text.clone()));
     let mut audience = Audience::gather(job)?;
     let finished = match &job.wishes.replay {
         None => session.run_until(&mut audience, stop).or_input()?,
@@ -127,17 +112,15 @@ fn execute(job: &Job, stop: &AtomicBool) -> Result<Exit, Failure> {
     audience.progress.finish();
     for remark in session.input().feed().remarks().into_iter().chain(apart(&outcome.frames)) {
         console::note(console::warning(&remark));
-        context.notices.push(remark);
+        notices.push(remark);
     }
     let frames = of_largest(&outcome.frames);
     let whole = Part::new(&frames, job);
     let scale =
         whole.evaluation.as_ref().and_then(|evaluation| scale_against_truth(evaluation.as_ref().ok()?));
-    context.scale_against_truth = scale.map(|scale| scale.ratio);
     let off_scale = scale.filter(Scale::is_off).map(|scale| scale.ratio);
-    context.notices.extend(off_scale.map(warn_of_scale));
-    let Written { summary, mut failures } =
-        outputs::write(job, context, &finished, &whole, &|| audience.make_room());
+    notices.extend(off_scale.map(warn_of_scale));
+    let (summary, mut failures) = outputs::write(job, notices, &finished, &whole, &|| audience.make_room());
     failures.extend(audience.finish_mcap(outcome).err());
     audience.leave(outcome, &summary, job.folder.path());
     if job.wishes.json {

@@ -16,7 +16,7 @@ use serde::Serialize;
 use crate::job::Job;
 use crate::results::ResultsFolder;
 use crate::show::true_poses;
-use crate::summary::{self, Checksums, SubmapFigures, Summary};
+use crate::summary::{SubmapFigures, Summary};
 use crate::tables::{frames_csv, loops_csv, timings_csv};
 
 /// True poses of the left camera at the frames, in the frame of the ground truth.
@@ -80,21 +80,15 @@ impl Files<'_> {
     }
 }
 
-/// What was written, and why the rest was not.
-pub(crate) struct Written {
-    pub(crate) summary: Summary,
-    pub(crate) failures: Vec<anyhow::Error>,
-}
-
 /// Writes all files of a run, `whole` being its poses in the largest sub-map. The trajectories come first; plots and the journal, which
-/// a run can do without, last.
+/// a run can do without, last. Returns the summary, and why files were not written.
 pub(crate) fn write(
     job: &Job,
-    context: summary::Context,
+    notices: Vec<String>,
     finished: &Finished,
     whole: &Part<'_>,
     make_room: &dyn Fn(),
-) -> Written {
+) -> (Summary, Vec<anyhow::Error>) {
     let (folder, outcome) = (&job.folder, &finished.outcome);
     let mut files = Files { folder, make_room, failures: Vec::new() };
     remove_old(folder);
@@ -119,12 +113,10 @@ pub(crate) fn write(
     files.text("frames.csv", &frames_csv(&outcome.frames, clock));
     files.text("config.yaml", &job.session.input().config().to_yaml());
     let trajectory = std::fs::read(&kitti).ok().map(|bytes| dsslam::sha256(&bytes));
-    let checksums = Checksums { trajectory, map };
     let figures =
         parts.iter().map(|(root, part)| SubmapFigures::new(root, part.frames, part.evaluation.as_ref()));
-    let seconds = job.watch.seconds();
-    let summary =
-        Summary::new(context, outcome, whole.evaluation.as_ref(), figures.collect(), checksums, seconds);
+    let (evaluation, checksums) = (whole.evaluation.as_ref(), [trajectory, map]);
+    let summary = Summary::new(job, notices, outcome, evaluation, figures.collect(), checksums);
     write_json(&mut files, "summary.json", &summary);
     if let Some(errors) = whole.errors() {
         write_json(&mut files, "evaluation.json", errors);
@@ -140,7 +132,7 @@ pub(crate) fn write(
         files.note(io::write_atomic(file, &outcome.journal.to_json()));
     }
     files.note(folder.link_latest());
-    Written { summary, failures: files.failures }
+    (summary, files.failures)
 }
 
 /// The frames of each sub-map by its name, where there are several.

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use dsslam::trajectories::own_pose;
-use dsslam::{Error, Figures, Verdict};
+use dsslam::{Error, Verdict, scale_against_truth};
 use eval::Evaluation;
 use runtime::{FrameRecord, RunOutcome, Timings};
 use serde::{Serialize, Serializer};
 
 use crate::clock;
+use crate::job::Job;
 
 /// Everything that a script may want to know of a run. Keys are never renamed; what is not defined is `null`.
 #[derive(Clone, Debug, Serialize)]
@@ -188,54 +189,26 @@ pub(crate) struct WithoutPose {
     pub(crate) reason: String,
 }
 
-/// What the summary is made from, beside the outcome.
-#[derive(Clone, Debug)]
-pub(crate) struct Context {
-    /// Name of the sequence.
-    pub(crate) sequence: String,
-    /// The sensor in use.
-    pub(crate) sensor: io::Sensor,
-    /// Seed of all random numbers.
-    pub(crate) seed: u64,
-    /// How tracking and mapping were interleaved.
-    pub(crate) schedule: &'static str,
-    /// The built-in configuration that the layout of the sequence has chosen.
-    pub(crate) preset: Option<&'static str>,
-    /// What the person was told, doubts included.
-    pub(crate) notices: Vec<String>,
-    /// What the run rests on.
-    pub(crate) figures: Figures,
-    /// Estimated over true lengths.
-    pub(crate) scale_against_truth: Option<f64>,
-}
-
-/// Checksums of files.
-#[derive(Clone, Debug)]
-pub(crate) struct Checksums {
-    /// SHA-256 of `trajectory.kitti.txt`, if it was written.
-    pub(crate) trajectory: Option<String>,
-    /// SHA-256 of the map's file, if one was written.
-    pub(crate) map: Option<String>,
-}
-
 impl Summary {
-    /// Puts the numbers together. `evaluation` is `None` without ground truth.
+    /// Puts the numbers together. `notices` is what the person was told, doubts included; `evaluation` is `None` without ground
+    /// truth; SHA-256 are those of `trajectory.kitti.txt` and of the map's file, where they were written.
     pub(crate) fn new(
-        context: Context,
+        job: &Job,
+        notices: Vec<String>,
         outcome: &RunOutcome,
         evaluation: Option<&Result<Evaluation, Error>>,
         per_submap: Vec<SubmapFigures>,
-        checksums: Checksums,
-        wall_s: f64,
+        [trajectory_sha256, map_sha256]: [Option<String>; 2],
     ) -> Self {
+        let sequence = job.sequence();
         let without_pose = frames_without_pose(&outcome.frames);
         let count = |state: &str| without_pose.iter().filter(|frame| frame.state == state).count();
         let errors = evaluation.and_then(|evaluation| evaluation.as_ref().ok());
         let statistics = outcome.statistics;
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            sensor: context.sensor,
-            schedule: context.schedule,
+            sensor: sequence.sensor,
+            schedule: job.schedule(),
             failure: outcome.failure.as_ref().map(ToString::to_string),
             interrupted: outcome.interrupted,
             frames: outcome.frames.len(),
@@ -260,7 +233,7 @@ impl Summary {
             alignment: errors.map(|e| e.alignment.to_string()),
             ate_rmse_m: errors.map(|e| e.ate_m.rmse),
             ate_frames: errors.map(|e| e.ate_m.n),
-            scale_against_truth: context.scale_against_truth,
+            scale_against_truth: errors.and_then(scale_against_truth).map(|scale| scale.ratio),
             t_rel_percent: errors.and_then(|e| e.t_rel_percent),
             r_rel_deg_per_100m: errors.and_then(|e| e.r_rel_deg_per_100m),
             t_rel_filled_frames: errors.map(|e| e.coverage.n_lost),
@@ -269,19 +242,19 @@ impl Summary {
             evaluation_problem: evaluation.and_then(|e| e.as_ref().err()).map(ToString::to_string),
             stages: stage_times(&outcome.timings),
             track_ms_median: outcome.timings.summary("track").map(|track| track.median),
-            wall_s,
+            wall_s: job.watch.seconds(),
             cpu_s: clock::cpu_seconds(),
             peak_rss_mb: clock::peak_rss_mb(),
-            trajectory_sha256: checksums.trajectory,
+            trajectory_sha256,
             map_digest: format!("{:016x}", outcome.map.digest()),
-            map_sha256: checksums.map,
-            sequence: context.sequence,
-            seed: context.seed,
+            map_sha256,
+            sequence: sequence.name.clone(),
+            seed: job.session.setup().slam.seed,
             without_pose,
-            preset: context.preset,
-            notices: context.notices,
-            doubts: context.figures.doubts.iter().map(|doubt| doubt.rule).collect(),
-            figures: context.figures.lines.into_iter().map(|figure| (figure.name, figure.text)).collect(),
+            preset: job.wishes.preset,
+            notices,
+            doubts: job.figures.doubts.iter().map(|doubt| doubt.rule).collect(),
+            figures: job.figures.lines.iter().map(|figure| (figure.name, figure.text.clone())).collect(),
             causes: Verdict::of(&outcome.frames).causes,
         }
     }

@@ -11,9 +11,10 @@ use synth::World;
 
 use crate::bag_input::{BagFeed, OpenedBag};
 use crate::intake::Intake;
+use crate::rendered::{self, RenderedFeed};
 use crate::video::{self, Opened};
 use crate::video_feed::VideoFeed;
-use crate::{Config, Error, NetworkOptions, rendered};
+use crate::{Config, Error, NetworkOptions};
 
 /// How a folder, a video or a camera is opened.
 #[derive(Clone, Debug, Default)]
@@ -120,8 +121,8 @@ impl Input {
         let sequence = rendered::sequence(&world, len, sensor)?;
         let (name, size) = (PathBuf::from(&sequence.name), rendered::image_size(&world));
         let intake = Intake::new(&name, sequence, Some(size), config)?;
-        let feed = rendered::RenderedFeed::new(world, len, sensor, intake.preparation.clone());
-        Ok(Self { intake, feed: Box::new(feed), clock: Clock::default() })
+        let feed = Box::new(RenderedFeed { world, len, sensor, preparation: intake.preparation.clone() });
+        Ok(Self { intake, feed, clock: Clock::default() })
     }
 
     /// The stamps of the frames, exactly as they were read, where they are known beforehand.

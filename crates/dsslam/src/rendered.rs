@@ -13,17 +13,12 @@ use synth::World;
 /// The first frames of a world.
 #[derive(Debug)]
 pub(crate) struct RenderedFeed {
-    world: World,
-    len: usize,
-    sensor: Sensor,
-    preparation: Preparation,
-}
-
-impl RenderedFeed {
-    /// The first `len` frames, with the images of this sensor.
-    pub(crate) fn new(world: World, len: usize, sensor: Sensor, preparation: Preparation) -> Self {
-        Self { world, len, sensor, preparation }
-    }
+    pub(crate) world: World,
+    /// How many frames there are.
+    pub(crate) len: usize,
+    /// Whose images there are.
+    pub(crate) sensor: Sensor,
+    pub(crate) preparation: Preparation,
 }
 
 impl FrameFeed for RenderedFeed {

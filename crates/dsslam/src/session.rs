@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use runtime::{Journal, Observer, RunError, RunOutcome, Schedule, Setup};
 use synth::World;
 
+use crate::figures::Facts;
 use crate::{Config, Error, Figures, Finished, Input, InputOptions, SlamOptions};
 
 /// How a session is opened; the default does what the configuration says.
@@ -87,7 +88,7 @@ impl Session {
     /// What the run will rest on, and what of it is implausible: looked at before the first frame. Reads a few frames, unless
     /// they come as a stream.
     pub fn figures(&self) -> Figures {
-        Figures::of(self)
+        Figures::of(&Facts::gather(self))
     }
 
     /// Runs over all frames.

@@ -50,8 +50,8 @@ impl fmt::Debug for Slam {
 impl Engine {
     fn start(setup: &Setup) -> Result<Self, Error> {
         match setup.schedule {
-            Schedule::Sequential => Ok(Self::Here(Box::new(Sequential::new(setup.clone(), false)))),
-            _ => Ok(Self::Threads(Threaded::start(setup.clone(), Box::new(Silent))?)),
+            Schedule::Sequential => Ok(Self::Here(Box::new(Sequential::new(setup.clone())))),
+            _ => Ok(Self::Threads(Threaded::start(setup.clone())?)),
         }
     }
 }

@@ -75,7 +75,7 @@ fn stages(criterion: &mut Criterion) {
     group.bench_function("windows", |b| b.iter(|| black_box(search_windows(&frame, &queries, &free))));
     let all: Vec<u32> = (0..frame.len() as u32).collect();
     let forward = SE3::new(SO3::identity(), Vec3::new(0.0, 0.0, -1.0));
-    let range = EpipolarRange { min_depth_m: 2.0, ..EpipolarRange::default() };
+    let range = EpipolarRange { min_depth_m: 2.0, max_depth_m: f64::INFINITY, max_distance: 50 };
     group.bench_function("epipolar", |b| {
         b.iter(|| black_box(search_epipolar_all(&frame, &all, &frame, &forward, &range, &free)));
     });

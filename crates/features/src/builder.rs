@@ -77,12 +77,6 @@ impl FrameBuilder {
         self.extractor.set_mask(mask);
     }
 
-    /// The camera.
-    #[must_use]
-    pub fn rig(&self) -> &Arc<Rig> {
-        &self.rig
-    }
-
     /// A frame of a rectified stereo pair. Where the sizes differ no feature gets a depth.
     ///
     /// # Errors

@@ -21,12 +21,6 @@ pub struct EpipolarRange {
     pub max_distance: u32,
 }
 
-impl Default for EpipolarRange {
-    fn default() -> Self {
-        Self { min_depth_m: 0.1, max_depth_m: f64::INFINITY, max_distance: 50 }
-    }
-}
-
 /// The features of `b` nearest in appearance to feature `feature` of `a` among those that are free, within one octave, and
 /// no farther from the epipolar segment between the two depths than `sqrt(3.84)` sigma of their octave; `None` when the best
 /// is too far in appearance. `b_from_a` maps camera coordinates of `a` to those of `b`.

@@ -270,19 +270,6 @@ impl Frame {
         f64::from(self.scales.inv_sigma_sq[usize::from(self.keypoints[i].octave)])
     }
 
-    /// Features of these octaves (both ends included) at most `radius_px` from `(x, y)` in x and in y, in index order.
-    pub fn features_near(&self, x: f32, y: f32, radius_px: f32, min_octave: u8, max_octave: u8) -> Vec<u32> {
-        let mut found = Vec::new();
-        for entry in self.grid.window(x - radius_px, x + radius_px, y - radius_px, y + radius_px).flatten() {
-            let near = (entry.x - x).abs() <= radius_px && (entry.y - y).abs() <= radius_px;
-            if near && entry.octave >= min_octave && entry.octave <= max_octave {
-                found.push(entry.feature);
-            }
-        }
-        found.sort_unstable();
-        found
-    }
-
     /// The index by place.
     #[inline(always)]
     pub(crate) fn grid(&self) -> &Grid {

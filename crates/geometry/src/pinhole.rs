@@ -44,12 +44,6 @@ impl Pinhole {
         Mat3::new(self.fx, 0.0, self.cx, 0.0, self.fy, self.cy, 0.0, 0.0, 1.0)
     }
 
-    /// The camera of an image that was resized by `factor` (0.5: half width and height), pixel centers kept in place.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
-        self.resized([factor, factor])
-    }
-
     /// The camera of an image whose width and height were changed by these factors, with the corners of the image kept in place.
     #[must_use]
     pub fn resized(&self, [x, y]: [f64; 2]) -> Self {

@@ -68,12 +68,6 @@ impl SE3 {
         blocks(r, &(SO3::hat(&self.translation) * r))
     }
 
-    /// `J` with `exp(v + d) = exp(J d) exp(v)` to first order in `d` (Barfoot 7.85).
-    pub fn left_jacobian(tangent: &Vec6) -> Mat6 {
-        let (rho, phi) = split(tangent);
-        blocks(&SO3::left_jacobian(&phi), &q_matrix(&rho, &phi))
-    }
-
     /// The inverse of [`SE3::left_jacobian`], for angles below two pi (Barfoot 7.95).
     pub fn left_jacobian_inverse(tangent: &Vec6) -> Mat6 {
         let (rho, phi) = split(tangent);

@@ -20,12 +20,6 @@ pub struct Sim3 {
     pub scale: f64,
 }
 
-impl Default for Sim3 {
-    fn default() -> Self {
-        Self::identity()
-    }
-}
-
 impl From<SE3> for Sim3 {
     fn from(motion: SE3) -> Self {
         Self::new(motion.rotation, motion.translation, 1.0)

@@ -1,6 +1,6 @@
 //! The rectified stereo pair; an RGB-D camera is one with a virtual baseline.
 
-use crate::aliases::{Mat3, Vec2, Vec3};
+use crate::aliases::{Vec2, Vec3};
 use crate::pinhole::Pinhole;
 use serde::{Deserialize, Serialize};
 
@@ -37,23 +37,5 @@ impl StereoRig {
     #[inline]
     pub fn depth_from_disparity(&self, disparity_px: f64) -> f64 {
         self.bf() / disparity_px
-    }
-
-    /// The derivative of [`StereoRig::project`] by the point: 3 by 3, pixels per meter.
-    #[inline]
-    pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat3 {
-        let mono = self.camera.project_jacobian(point_cam);
-        let disparity_slope = self.bf() / (point_cam.z * point_cam.z);
-        Mat3::new(
-            mono[(0, 0)],
-            0.0,
-            mono[(0, 2)],
-            0.0,
-            mono[(1, 1)],
-            mono[(1, 2)],
-            mono[(0, 0)],
-            0.0,
-            mono[(0, 2)] + disparity_slope,
-        )
     }
 }

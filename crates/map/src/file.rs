@@ -49,11 +49,3 @@ pub fn decode(bytes: &[u8]) -> Result<(Map, MapFileInfo), MapFileError> {
     let (info, content) = container::open(bytes)?;
     Ok((read::map_of(&content)?, info))
 }
-
-/// The description of a map file, without its map; the bytes are checked for damage all the same.
-///
-/// # Errors
-/// The bytes are not a map file, truncated, damaged, or of another version.
-pub fn read_info(bytes: &[u8]) -> Result<MapFileInfo, MapFileError> {
-    container::read_info(bytes)
-}

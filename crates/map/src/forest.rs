@@ -4,11 +4,6 @@ use crate::keyframe::{insert_sorted, remove_sorted};
 use crate::{KeyframeId, Map};
 
 impl Map {
-    /// Root of the first sub-map (by the ids of the roots); `None` for an empty map.
-    pub fn root(&self) -> Option<KeyframeId> {
-        self.roots.first().copied()
-    }
-
     /// Root of every sub-map, in order of their ids.
     pub fn roots(&self) -> &[KeyframeId] {
         &self.roots

@@ -55,11 +55,6 @@ impl Keyframe {
         self.points.get(feature as usize).copied().flatten()
     }
 
-    /// Number of points that the keyframe observes; counts its table.
-    pub fn n_points(&self) -> usize {
-        self.points.iter().flatten().count()
-    }
-
     /// Parent in the spanning tree; `None` for the root of a sub-map only.
     pub fn parent(&self) -> Option<KeyframeId> {
         self.parent

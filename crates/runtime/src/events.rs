@@ -71,11 +71,6 @@ impl FrameAnswer {
             track_ms: 0.0,
         }
     }
-
-    /// The pose the other way round: from the world into the camera.
-    pub fn cam_from_world(&self) -> Option<SE3> {
-        self.world_from_cam.map(|pose| pose.inverse())
-    }
 }
 
 /// One thing that happened. Where stages run on threads, events of different stages come in any order.

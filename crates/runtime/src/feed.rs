@@ -66,11 +66,6 @@ pub struct SequenceFeed {
 }
 
 impl SequenceFeed {
-    /// All frames of a sequence, or the first `max_frames`, at full size. Computes the tables of the rectification.
-    pub fn new(sequence: &Sequence, max_frames: Option<usize>) -> Self {
-        Self::prepared(sequence, Preparation::new(sequence, 1.0), max_frames)
-    }
-
     /// All frames of a sequence, or the first `max_frames`, prepared in this way.
     pub fn prepared(sequence: &Sequence, preparation: Preparation, max_frames: Option<usize>) -> Self {
         let n = max_frames.unwrap_or(usize::MAX);

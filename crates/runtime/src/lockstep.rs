@@ -38,6 +38,7 @@ const EXTRACTED_AHEAD: usize = 4;
 type Stage<'scope, T> = ScopedJoinHandle<'scope, Result<T, StageFailure>>;
 
 /// What the tracking thread leaves.
+#[derive(Default)]
 pub(crate) struct TrackLeft {
     pub(crate) log: TrackLog,
     /// Kept until mapping has ended, so that its last state can be seen.
@@ -45,24 +46,13 @@ pub(crate) struct TrackLeft {
     pub(crate) failure: Option<StageFailure>,
 }
 
-impl TrackLeft {
-    pub(crate) fn nothing(failure: StageFailure) -> Self {
-        TrackLeft { log: TrackLog::default(), snapshots: None, failure: Some(failure) }
-    }
-}
-
 /// What the mapping thread leaves.
+#[derive(Default)]
 pub(crate) struct MapLeft {
     pub(crate) log: MapLog,
     /// `None` after a panic in the middle of an operation.
     pub(crate) world: Option<World>,
     pub(crate) failure: Option<StageFailure>,
-}
-
-impl MapLeft {
-    pub(crate) fn nothing(failure: StageFailure) -> Self {
-        MapLeft { log: MapLog::default(), world: None, failure: Some(failure) }
-    }
 }
 
 /// Runs; the calling thread hands events to the observer meanwhile.
@@ -151,8 +141,10 @@ impl<'scope> Stages<'scope> {
         let decoded = joined(self.decode);
         let frames = decoded.as_ref().copied().unwrap_or(job.limit());
         let mut failures = [decoded.err(), joined(self.extract).err()].to_vec();
-        let mut track = joined(self.track).unwrap_or_else(TrackLeft::nothing);
-        let map = joined(self.map).unwrap_or_else(MapLeft::nothing);
+        let mut track = joined(self.track)
+            .unwrap_or_else(|failure| TrackLeft { failure: Some(failure), ..TrackLeft::default() });
+        let map = joined(self.map)
+            .unwrap_or_else(|failure| MapLeft { failure: Some(failure), ..MapLeft::default() });
         failures.extend([track.failure.take(), map.failure]);
         failures.extend(self.finders.into_iter().chain([self.global]).map(|stage| joined(stage).err()));
         let last_shown = track.snapshots.map_or_else(|| job.plan.start(), |mut snapshots| snapshots.newest());

@@ -58,11 +58,10 @@ impl Ended {
 }
 
 impl Sequential {
-    /// A run that has seen no frame. `details`: whether its observers want details. The setup's schedule has no
-    /// meaning here.
-    pub fn new(setup: Setup, details: bool) -> Self {
+    /// A run that has seen no frame; its observers get no details. The setup's schedule has no meaning here.
+    pub fn new(setup: Setup) -> Self {
         let disparity_offset_px = setup.stereo.disparity_offset_px;
-        Self::of_plan(Arc::new(Plan::new(setup, disparity_offset_px, details)))
+        Self::of_plan(Arc::new(Plan::new(setup, disparity_offset_px, false)))
     }
 
     pub(crate) fn of_plan(plan: Arc<Plan>) -> Self {

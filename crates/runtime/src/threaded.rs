@@ -41,16 +41,16 @@ pub struct Threaded {
 pub struct RunEnded;
 
 impl Threaded {
-    /// Starts the threads. Events go to `observer`, on one of them.
+    /// Starts the threads.
     ///
     /// # Errors
     /// [`RunError::Thread`] when the first thread cannot be started.
-    pub fn start(setup: Setup, observer: Box<dyn Observer + Send>) -> Result<Self, RunError> {
+    pub fn start(setup: Setup) -> Result<Self, RunError> {
         let (frames, pushed) = bounded(WAITING);
         let (to_caller, answers) = unbounded();
         let stop = Arc::new(AtomicBool::new(false));
         let feed = PushedFeed { pushed, state: Mutex::default() };
-        let mut answering = Answering { observer, to_caller };
+        let mut answering = Answering(to_caller);
         let stopped = stop.clone();
         let run = Builder::new()
             .name("run".into())
@@ -93,8 +93,8 @@ impl Threaded {
     fn join(&mut self) -> Result<RunOutcome, RunError> {
         let ended = |stage: StageFailure| RunError::Thread { stage: stage.stage, reason: stage.message };
         let Some(run) = self.run.take() else { return Err(ended(StageFailure::gone("run"))) };
-        // Panics of stages are part of the outcome: only the observer can have panicked.
-        run.join().unwrap_or_else(|_| Err(ended(StageFailure::gone("observer"))))
+        // Panics of stages are part of the outcome.
+        run.join().unwrap_or_else(|_| Err(ended(StageFailure::gone("run"))))
     }
 }
 
@@ -157,22 +157,14 @@ impl FrameFeed for PushedFeed {
     }
 }
 
-/// Hands answers to the caller, and all events to another observer.
-struct Answering {
-    observer: Box<dyn Observer + Send>,
-    to_caller: Sender<FrameAnswer>,
-}
+/// Hands answers to the caller.
+struct Answering(Sender<FrameAnswer>);
 
 impl Observer for Answering {
     fn event(&mut self, event: &Event) {
         if let Event::Frame(answer) = event {
             // The caller may be gone.
-            let _ = self.to_caller.send(answer.as_ref().clone());
+            let _ = self.0.send(answer.as_ref().clone());
         }
-        self.observer.event(event);
-    }
-
-    fn wants_details(&self) -> bool {
-        self.observer.wants_details()
     }
 }

@@ -50,7 +50,7 @@ fn without_times(answers: &[FrameAnswer]) -> Vec<FrameAnswer> {
 
 #[test]
 fn frames_pushed_in_turn_give_the_bits_of_a_run_and_an_answer_each() {
-    let (feed, mut heard, mut slam) = (feed(), Answers::default(), Sequential::new(setup(), false));
+    let (feed, mut heard, mut slam) = (feed(), Answers::default(), Sequential::new(setup()));
     let step = |i: usize, slam: &mut Sequential, heard: &mut Answers| {
         slam.step(feed.info(i), feed.load(i), None, heard).unwrap()
     };
@@ -64,14 +64,14 @@ fn frames_pushed_in_turn_give_the_bits_of_a_run_and_an_answer_each() {
     // The frame that starts the map is asked for as its first keyframe, at the origin; the next ones see it.
     assert!(answers[2].keyframe.is_some() && answers[2].submap.is_none());
     assert_eq!(answers[2].world_from_cam.unwrap().translation.norm(), 0.0);
-    assert_eq!(answers[3].submap, outcome.map.root());
+    assert_eq!(answers[3].submap, outcome.map.roots().first().copied());
     assert_eq!(answers[5].status, FrameStatus::Dropped(Unusable::Missing("right")));
 }
 
 #[test]
 fn frames_pushed_to_threads_give_the_bits_of_a_run() {
     let threaded = Setup { schedule: Schedule::Lockstep, ..setup() };
-    let slam = Threaded::start(threaded, Box::new(Silent)).unwrap();
+    let slam = Threaded::start(threaded).unwrap();
     let (feed, mut answers) = (feed(), Vec::new());
     for i in 0..8 {
         slam.push(feed.info(i), feed.load(i), None).unwrap();
@@ -120,7 +120,7 @@ fn answers_of_a_network_serve_the_same_frames_by_every_schedule() {
 #[test]
 fn a_live_run_in_real_time_answers_for_every_frame_in_order() {
     let live = Setup { schedule: Schedule::Live { realtime: true }, ..setup() };
-    let slam = Threaded::start(live, Box::new(Silent)).unwrap();
+    let slam = Threaded::start(live).unwrap();
     let feed = Feed(vec![Kind::Good; 40]);
     (0..40).for_each(|i| slam.push(feed.info(i), feed.load(i), None).unwrap());
     let (outcome, answers) = slam.finish().unwrap();
@@ -131,10 +131,10 @@ fn a_live_run_in_real_time_answers_for_every_frame_in_order() {
 
 #[test]
 fn without_frames_the_results_are_empty() {
-    let outcome = Sequential::new(setup(), false).finish(&mut Silent);
+    let outcome = Sequential::new(setup()).finish(&mut Silent);
     assert_eq!((outcome.frames.len(), outcome.map.n_keyframes(), outcome.interrupted), (0, 0, false));
     for schedule in [Schedule::Lockstep, Schedule::Live { realtime: false }] {
-        let slam = Threaded::start(Setup { schedule, ..setup() }, Box::new(Silent)).unwrap();
+        let slam = Threaded::start(Setup { schedule, ..setup() }).unwrap();
         let (outcome, answers) = slam.finish().unwrap();
         assert_eq!((outcome.frames.len(), answers.len(), outcome.interrupted), (0, 0, false));
     }
@@ -145,7 +145,7 @@ fn a_stage_that_panics_is_named_at_every_later_step_and_the_rest_is_left() {
     let feed = Feed(vec![Kind::Good; 8]);
     for stage in ["extract", "track", "map"] {
         let faults = Faults { panic_at: Some((stage, 3)), ..Faults::default() };
-        let mut slam = Sequential::new(Setup { faults, ..setup() }, false);
+        let mut slam = Sequential::new(Setup { faults, ..setup() });
         for i in 0..8 {
             let stepped = slam.step(feed.info(i), feed.load(i), None, &mut Silent);
             assert_eq!(
@@ -166,8 +166,7 @@ fn a_stage_that_panics_is_named_at_every_later_step_and_the_rest_is_left() {
 #[test]
 fn a_panic_on_a_thread_ends_the_pushing_and_is_part_of_the_results() {
     let faults = Faults { panic_at: Some(("track", 3)), ..Faults::default() };
-    let slam =
-        Threaded::start(Setup { faults, schedule: Schedule::Lockstep, ..setup() }, Box::new(Silent)).unwrap();
+    let slam = Threaded::start(Setup { faults, schedule: Schedule::Lockstep, ..setup() }).unwrap();
     let feed = Feed(vec![Kind::Good; 200]);
     let refused = (0..200).find(|&i| slam.push(feed.info(i), feed.load(i), None).is_err());
     assert!(refused.is_some_and(|i| i >= 3), "{refused:?}");
@@ -180,11 +179,11 @@ fn a_panic_on_a_thread_ends_the_pushing_and_is_part_of_the_results() {
 fn a_run_that_is_dropped_ends() {
     let feed = Feed(vec![Kind::Good; 3]);
     for schedule in [Schedule::Lockstep, Schedule::Live { realtime: true }] {
-        let slam = Threaded::start(Setup { schedule, ..setup() }, Box::new(Silent)).unwrap();
+        let slam = Threaded::start(Setup { schedule, ..setup() }).unwrap();
         (0..3).for_each(|i| slam.push(feed.info(i), feed.load(i), None).unwrap());
         drop(slam);
     }
-    let mut slam = Sequential::new(setup(), false);
+    let mut slam = Sequential::new(setup());
     slam.step(feed.info(0), feed.load(0), None, &mut Silent).unwrap();
     drop(slam);
 }

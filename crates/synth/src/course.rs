@@ -97,7 +97,7 @@ impl Course {
     fn from_corners(corners: &[Corner], closed: bool) -> Self {
         let dense = round_corners(corners, closed);
         let smooth = smooth(&smooth(&dense, closed), closed);
-        let (positions, length) = resample(&smooth, closed);
+        let (positions, length) = resample(&smooth, closed, STEP_M);
         let n = positions.len();
         let at = |i: isize| {
             if closed {
@@ -206,7 +206,7 @@ fn round_corners(corners: &[Corner], closed: bool) -> Vec<V3> {
 
 /// Moving mean over [`SMOOTHING_M`] of a line sampled about 0.1 m apart.
 fn smooth(points: &[V3], closed: bool) -> Vec<V3> {
-    let (even, _) = resample_at(points, closed, 0.1);
+    let (even, _) = resample(points, closed, 0.1);
     let half = (SMOOTHING_M / 0.2) as isize;
     let n = even.len() as isize;
     (0..n)
@@ -218,12 +218,8 @@ fn smooth(points: &[V3], closed: bool) -> Vec<V3> {
         .collect()
 }
 
-fn resample(points: &[V3], closed: bool) -> (Vec<V3>, f64) {
-    resample_at(points, closed, STEP_M)
-}
-
 /// Points at equal distances of about `step` along the line, and its length.
-fn resample_at(points: &[V3], closed: bool, step: f64) -> (Vec<V3>, f64) {
+fn resample(points: &[V3], closed: bool, step: f64) -> (Vec<V3>, f64) {
     let n = points.len();
     let segments = if closed { n } else { n - 1 };
     let mut lengths = vec![0.0];

@@ -79,7 +79,7 @@ proptest! {
         prop_assert!(drift.r_rel_deg_per_100m.unwrap() < 1e-4);
         let relative = rpe(&gt, &gt, &RpeOptions::default()).unwrap();
         prop_assert!(relative.translation.max < 1e-9 && relative.rotation_deg.max < 1e-9);
-        prop_assert!(scale_drift(&gt, &gt, 20.0).unwrap().percent_per_100m.abs() < 1e-9);
+        prop_assert!(scale_drift(&gt, &gt, 20.0).unwrap().abs() < 1e-9);
     }
 
     #[test]

@@ -86,7 +86,7 @@ fn recognize(
     (min_gap, single): (usize, bool),
     describer: &mut Describer,
 ) -> Result<Vec<Vec<Answer>>> {
-    let n_selections = describer.n_selections();
+    let n_selections = describer.selections.len();
     let mut memories: Vec<Memory> = (0..n_selections).map(|_| Memory::default()).collect();
     let mut sights: Vec<Vec<Sight>> = vec![Vec::new(); n_selections];
     let mut answers: Vec<Vec<Answer>> = vec![Vec::new(); n_selections];

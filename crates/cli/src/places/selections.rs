@@ -18,7 +18,7 @@ use super::xfeat::{DenseFeatures, DenseKeypoint, DenseNetwork};
 
 /// Turns an image into what each selection keeps of it.
 pub(super) struct Describer {
-    selections: Vec<(Selection, SelectionConfig)>,
+    pub(super) selections: Vec<(Selection, SelectionConfig)>,
     /// `trad` needs none.
     network: Option<Network>,
     extractor: Extractor,
@@ -70,11 +70,6 @@ impl Describer {
         Ok(Self { selections, network, extractor, dense, words })
     }
 
-    /// How many selections there are.
-    pub(super) fn n_selections(&self) -> usize {
-        self.selections.len()
-    }
-
     /// What each selection keeps of an image, in their order.
     ///
     /// # Errors
@@ -86,7 +81,9 @@ impl Describer {
         for (_, config) in &self.selections {
             let map = match &answers {
                 Some(answers) if config.rule != SelectionRule::Response => answers.map.clone(),
-                _ => everywhere(image)?,
+                // Full activation over the whole image.
+                _ => ActivationMap::new(Raster::new(1, 1, 1.0), image.width, image.height)
+                    .context("the image is empty")?,
             };
             sights.push(match &dense {
                 None => sparse(&mut self.extractor, image, &map, config, &self.words)?,
@@ -150,11 +147,6 @@ fn sparse(
             direct: described.direct,
         },
     })
-}
-
-/// Full activation over the whole image.
-fn everywhere(image: &GrayImage) -> Result<ActivationMap> {
-    ActivationMap::new(Raster::new(1, 1, 1.0), image.width, image.height).context("the image is empty")
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::Session;
 
 /// Everything that is shown and doubted.
 #[derive(Clone, Debug)]
-pub(super) struct Facts {
+pub(crate) struct Facts {
     pub(super) sensor: Sensor,
     pub(super) layout: &'static str,
     /// Where the camera was read.
@@ -44,7 +44,7 @@ pub(super) struct Times {
 }
 
 impl Facts {
-    pub(super) fn gather(session: &Session) -> Self {
+    pub(crate) fn gather(session: &Session) -> Self {
         let (input, setup) = (session.input(), session.setup());
         let (sequence, feed, rig) = (input.sequence(), input.feed(), &*setup.rig);
         let raw = sequence.raw_calibration.as_ref();

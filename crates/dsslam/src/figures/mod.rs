@@ -11,8 +11,7 @@ mod sight;
 #[cfg(test)]
 mod tests;
 
-use crate::Session;
-use facts::Facts;
+pub(crate) use facts::Facts;
 
 /// What a run rests on, and what of it is implausible.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,12 +46,8 @@ fn doubt(rule: &'static str, text: String) -> Option<Doubt> {
 }
 
 impl Figures {
-    /// Gathers the figures of a session. Reads a few of its frames, spread over its length, unless they come as a stream.
-    pub(crate) fn of(session: &Session) -> Self {
-        Self::of_facts(&Facts::gather(session))
-    }
-
-    fn of_facts(facts: &Facts) -> Self {
+    /// The figures of what was gathered.
+    pub(crate) fn of(facts: &Facts) -> Self {
         let mut doubts = rules::doubts(facts);
         doubts.extend(image_rules::doubts(facts));
         Self { lines: lines::lines(facts), doubts }

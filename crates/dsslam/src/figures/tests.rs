@@ -61,20 +61,20 @@ fn of_camera(pinhole: Pinhole, size: ImageSize) -> Vec<&'static str> {
 }
 
 fn rules_of(facts: &Facts) -> Vec<&'static str> {
-    Figures::of_facts(facts).doubts.iter().map(|doubt| doubt.rule).collect()
+    Figures::of(facts).doubts.iter().map(|doubt| doubt.rule).collect()
 }
 
 /// The one doubt, by this rule.
 #[track_caller]
 fn only(facts: &Facts, rule: &str) -> String {
-    let doubts = Figures::of_facts(facts).doubts;
+    let doubts = Figures::of(facts).doubts;
     assert_eq!(doubts.iter().map(|doubt| doubt.rule).collect::<Vec<_>>(), [rule], "{doubts:?}");
     doubts[0].text.clone()
 }
 
 #[test]
 fn good_sequences_are_shown_and_not_doubted() {
-    let figures = Figures::of_facts(&good());
+    let figures = Figures::of(&good());
     assert_eq!(figures.doubts, []);
     let lines: Vec<String> = figures.lines.iter().map(|f| format!("{}: {}", f.name, f.text)).collect();
     let expected = [
@@ -88,14 +88,14 @@ fn good_sequences_are_shown_and_not_doubted() {
         "ground truth: poses for 50 of 50 frames",
     ];
     assert_eq!(lines, expected);
-    let figures = Figures::of_facts(&desk());
+    let figures = Figures::of(&desk());
     assert_eq!(figures.doubts, []);
     let depth = figures.lines.iter().find(|figure| figure.name == "depth").unwrap();
     assert!(depth.text.starts_with("5000 units per meter; median depth seen 1.10 m"), "{}", depth.text);
     // A stream tells nothing of its times and images before it begins; its camera is shown all the same.
     let stream = Facts { times: None, with_truth: None, sights: Vec::new(), ..good() };
     assert_eq!(rules_of(&stream), [""; 0]);
-    assert_eq!(Figures::of_facts(&stream).lines.len(), 5);
+    assert_eq!(Figures::of(&stream).lines.len(), 5);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The fisheye camera of Kannala and Brandt (PAMI 2006, equation 6) as OpenCV's module `fisheye` defines it.
 
-use crate::aliases::{Mat2x3, Vec2, Vec3};
+use crate::aliases::{Vec2, Vec3};
 use crate::pinhole::Pinhole;
 use crate::polynomial::first_sign_change;
 use serde::{Deserialize, Serialize};
@@ -32,30 +32,6 @@ impl KannalaBrandt {
         let scale = if across > 0.0 { self.radius(angle) / across } else { 1.0 / point_cam.z };
         let Pinhole { fx, fy, cx, cy } = self.camera;
         Vec2::new(fx * scale * point_cam.x + cx, fy * scale * point_cam.y + cy)
-    }
-
-    /// The derivative of [`KannalaBrandt::project`] by the point: 2 by 3, pixels per meter.
-    pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
-        let across = point_cam.xy().norm();
-        let angle = across.atan2(point_cam.z);
-        let slope = self.slope(angle) / point_cam.norm_squared();
-        let (scale, unit) = if across > 0.0 {
-            (self.radius(angle) / across, point_cam.xy() / across)
-        } else {
-            (1.0 / point_cam.z, Vec2::zeros())
-        };
-        // Radially the image moves with the slope of the polynomial, across with its value.
-        let excess = slope * point_cam.z - scale;
-        let Pinhole { fx, fy, .. } = self.camera;
-        let mixed = unit.x * unit.y * excess;
-        Mat2x3::new(
-            fx * (scale + unit.x * unit.x * excess),
-            fx * mixed,
-            -fx * slope * point_cam.x,
-            fy * mixed,
-            fy * (scale + unit.y * unit.y * excess),
-            -fy * slope * point_cam.y,
-        )
     }
 
     /// The ray of a pixel in camera coordinates, of length one, by Newton's method with step halving.

@@ -6,7 +6,7 @@ mod rational;
 pub use kannala_brandt::KannalaBrandt;
 pub use rational::Rational;
 
-use crate::aliases::{Mat2, Mat2x3, Vec2, Vec3};
+use crate::aliases::{Vec2, Vec3};
 use crate::distortion::Distortion;
 use crate::pinhole::Pinhole;
 use serde::{Deserialize, Serialize};
@@ -40,19 +40,6 @@ impl CameraModel {
             Self::KannalaBrandt(fisheye) => fisheye.project(point_cam),
             Self::Rational(lens) => {
                 lens.camera.project(&lens.distort(&(point_cam.xy() / point_cam.z)).push(1.0))
-            }
-        }
-    }
-
-    /// The derivative of [`CameraModel::project`] by the point: 2 by 3, pixels per meter.
-    pub fn project_jacobian(&self, point_cam: &Vec3) -> Mat2x3 {
-        match self {
-            Self::Pinhole { camera, distortion } => {
-                pinhole_jacobian(camera, point_cam, |ideal| distortion.distort_jacobian(ideal))
-            }
-            Self::KannalaBrandt(fisheye) => fisheye.project_jacobian(point_cam),
-            Self::Rational(lens) => {
-                pinhole_jacobian(&lens.camera, point_cam, |ideal| lens.distort_jacobian(ideal))
             }
         }
     }
@@ -103,16 +90,6 @@ impl CameraModel {
             Self::Rational(lens) => &lens.camera,
         }
     }
-}
-
-/// The derivative of a pinhole's pixel by the point, for a lens with this derivative at the ideal normalized point.
-fn pinhole_jacobian(camera: &Pinhole, point_cam: &Vec3, lens: impl Fn(&Vec2) -> Mat2) -> Mat2x3 {
-    let ideal = point_cam.xy() / point_cam.z;
-    let ideal_by_point = Mat2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / point_cam.z;
-    let mut jacobian = lens(&ideal) * ideal_by_point;
-    jacobian.row_mut(0).scale_mut(camera.fx);
-    jacobian.row_mut(1).scale_mut(camera.fy);
-    jacobian
 }
 
 /// The model's name with its numbers.

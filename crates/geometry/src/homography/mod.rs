@@ -39,17 +39,6 @@ impl Homography {
         &self.b_from_a
     }
 
-    /// The other way round.
-    #[must_use]
-    pub fn inverse(&self) -> Self {
-        Self { b_from_a: self.a_from_b, a_from_b: self.b_from_a }
-    }
-
-    /// The pixel of image b that shows what `pixel_a` shows; `None` when that is behind camera b.
-    pub fn transfer(&self, pixel_a: &Vec2) -> Option<Vec2> {
-        mapped(&self.b_from_a, pixel_a)
-    }
-
     /// Squared distances in square pixels: of `pixel_b` from the transferred `pixel_a`, and the other way round.
     pub fn transfer_errors_sq(&self, pixel_a: &Vec2, pixel_b: &Vec2) -> [f64; 2] {
         let error_sq = |matrix: &Mat3, from: &Vec2, to: &Vec2| {

@@ -123,20 +123,6 @@ pub struct TwoView {
     pub median_depth: f64,
 }
 
-impl TwoView {
-    /// The same views in another unit of length: all lengths times `factor`.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
-        let motion = &self.second_from_first;
-        Self {
-            second_from_first: SE3::new(motion.rotation, motion.translation * factor),
-            points: self.points.iter().map(|point| point.map(|point| point * factor)).collect(),
-            median_depth: self.median_depth * factor,
-            ..self.clone()
-        }
-    }
-}
-
 /// Reconstructs two views of calibrated cameras.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoViewReconstruction {

@@ -30,11 +30,10 @@ proptest! {
     }
 
     #[test]
-    fn projection_jacobians_are_derivatives(p in any_point()) {
+    fn the_projection_jacobian_is_the_derivative(p in any_point()) {
         // Steps are 1e-5 m: relative to the depth, so is the error of the differences.
         let tolerance = 1e-6 * (1.0 + p.z.powi(-4));
         assert_close!(CAMERA.project_jacobian(&p), numeric_jacobian(&p, |x| CAMERA.project(x)), tolerance);
-        assert_close!(RIG.project_jacobian(&p), numeric_jacobian(&p, |x| RIG.project(x)), tolerance);
     }
 
     #[test]
@@ -66,7 +65,7 @@ proptest! {
 
     #[test]
     fn halving_the_image_halves_pixel_distances(p in any_point()) {
-        let (full, half) = (CAMERA.project(&p), CAMERA.scaled(0.5).project(&p));
+        let (full, half) = (CAMERA.project(&p), CAMERA.resized([0.5; 2]).project(&p));
         assert_close!(half.add_scalar(0.5) * 2.0, full.add_scalar(0.5), 1e-9);
     }
 }

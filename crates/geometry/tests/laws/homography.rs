@@ -53,7 +53,10 @@ fn of_plane(a: &Pinhole, b: &Pinhole, b_from_a: &SE3, normal_a: &Vec3, distance:
 /// Largest difference between two homographies in what they do with an image, pixels.
 fn difference_px(a: &Homography, b: &Homography) -> f64 {
     let corners = [(0.0, 0.0), (1240.0, 0.0), (0.0, 375.0), (1240.0, 375.0)].map(|(x, y)| Vec2::new(x, y));
-    let place = |h: &Homography, corner: &Vec2| h.transfer(corner).expect("in front");
+    let place = |h: &Homography, corner: &Vec2| {
+        let place = h.matrix() * corner.push(1.0);
+        place.xy() / place.z
+    };
     corners.iter().map(|corner| (place(a, corner) - place(b, corner)).norm()).fold(0.0, f64::max)
 }
 
@@ -95,7 +98,8 @@ fn four_pairs_that_no_camera_sees_are_refused() {
     assert!(homography_of_four(&square, &[a, b, c, Vec2::new(f64::NAN, 0.0)]).is_none(), "not a number");
     // A mirror image is an orientation that a camera cannot see from the same side; it is a homography all the same.
     let mirrored = homography_of_four(&square, &[b, a, d, c]).expect("a map of the plane");
-    assert!(mirrored.transfer(&a).is_none_or(|place| (place - b).norm() < 1e-12));
+    let [error_sq, _] = mirrored.transfer_errors_sq(&a, &b);
+    assert!(error_sq.is_infinite() || error_sq < 1e-24);
 }
 
 #[test]
@@ -104,11 +108,14 @@ fn swapping_the_images_inverts() {
     let (a, b) = plane.pixels(1, 30);
     let there = estimate_homography(&a, &b, None).expect("there");
     let back = estimate_homography(&b, &a, None).expect("back");
-    assert!(difference_px(&there, &back.inverse()) < 1e-7);
+    let forth = Homography::new(&back.matrix().try_inverse().expect("an inverse")).expect("a homography");
+    assert!(difference_px(&there, &forth) < 1e-7);
     for (a, b) in a.iter().zip(&b) {
         let [in_b, in_a] = there.transfer_errors_sq(a, &(b + Vec2::new(3.0, -4.0)));
-        let [back_in_a, back_in_b] = there.inverse().transfer_errors_sq(&(b + Vec2::new(3.0, -4.0)), a);
-        assert!((in_b - 25.0).abs() < 1e-4 && in_b == back_in_b && in_a == back_in_a);
+        let [back_in_a, back_in_b] = forth.transfer_errors_sq(a, &(b + Vec2::new(3.0, -4.0)));
+        assert!(
+            (in_b - 25.0).abs() < 1e-4 && (in_b - back_in_a).abs() < 1e-4 && (in_a - back_in_b).abs() < 1e-4
+        );
     }
 }
 
@@ -169,7 +176,6 @@ fn what_comes_to_lie_behind_the_camera_is_not_transferred() {
     let behind = SE3::new(SO3::exp(&Vec3::new(0.0, 3.0, 0.0)), Vec3::zeros());
     let turned = of_plane(&CAMERA, &CAMERA, &behind, &Vec3::z(), 1.0).expect("a turn");
     let pixel = Vec2::new(600.0, 180.0);
-    assert_eq!(turned.transfer(&pixel), None);
     assert_eq!(turned.transfer_errors_sq(&pixel, &pixel), [f64::INFINITY; 2]);
 }
 

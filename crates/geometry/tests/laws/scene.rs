@@ -111,10 +111,11 @@ impl Scene {
 
     /// Median error of the points from `start` on, relative to their depth, after the baseline has its true length.
     pub(crate) fn median_point_error(&self, found: &TwoView, start: usize) -> f64 {
-        let found = found.scaled(self.second_from_first.translation.norm());
+        let unit = self.second_from_first.translation.norm();
         let pairs = found.points.iter().zip(&self.points).skip(start);
-        let mut errors: Vec<f64> =
-            pairs.filter_map(|(found, point)| Some((found.as_ref()? - point).norm() / point.z)).collect();
+        let mut errors: Vec<f64> = pairs
+            .filter_map(|(found, point)| Some((found.as_ref()? * unit - point).norm() / point.z))
+            .collect();
         errors.sort_by(f64::total_cmp);
         errors[errors.len() / 2]
     }

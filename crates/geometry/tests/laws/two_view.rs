@@ -256,18 +256,6 @@ fn the_defaults_are_the_ones_tested() {
     assert_eq!(TwoViewOptions::default(), RECONSTRUCTION.options);
 }
 
-#[test]
-fn scaling_changes_lengths_only() {
-    let found = Scene::general(9, 200).reconstruct().expect("a map");
-    let scaled = found.scaled(3.0);
-    assert_eq!(scaled.median_depth, 3.0 * found.median_depth);
-    assert_eq!(scaled.second_from_first.rotation, found.second_from_first.rotation);
-    assert!((scaled.second_from_first.translation.norm() - 3.0).abs() < 1e-12);
-    for (a, b) in scaled.points.iter().zip(&found.points) {
-        assert_eq!(*a, b.map(|point| point * 3.0));
-    }
-}
-
 /// Whatever the motion, what is accepted is right; and what has much parallax is accepted, but for one pair in a
 /// hundred: now and then two motions explain it.
 #[test]

@@ -58,19 +58,6 @@ impl LoadedFrame {
         let (left, right) = halves::take(image, packing, path)?;
         Ok(Self { left, right, depth: None })
     }
-
-    /// Compares the frame with the size that the whole sequence must have.
-    ///
-    /// # Errors
-    /// [`ImageError::WrongSize`] with both sizes; `because` says where `expected` comes from.
-    pub fn check_size(
-        &self,
-        source: &FrameSource,
-        expected: ImageSize,
-        because: &str,
-    ) -> Result<(), ImageError> {
-        check_size(&source.left, self.size(), expected, because)
-    }
 }
 
 /// Reads all images of a frame; the right image and the depth must have the size of the left one.

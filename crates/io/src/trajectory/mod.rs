@@ -84,14 +84,9 @@ impl Trajectory {
 }
 
 impl TrajectoryFile {
-    /// The poses with times in seconds: poses of frames get those of their frames, `times_s`; poses of later frames
-    /// are skipped.
-    pub fn with_frame_times(self, times_s: &[f64]) -> Trajectory {
-        self.at_frames(times_s, 0)
-    }
-
-    /// As [`TrajectoryFile::with_frame_times`], for frames of which the first has the number `first`.
-    pub(crate) fn at_frames(mut self, times_s: &[f64], first: u32) -> Trajectory {
+    /// The poses with times in seconds: poses of frames get those of their frames, `times_s`, of which the first has the number
+    /// `first`; poses of later frames are skipped.
+    pub fn at_frames(mut self, times_s: &[f64], first: u32) -> Trajectory {
         if self.stamps != Stamps::Times {
             let first = if self.stamps == Stamps::FrameNumbers { f64::from(first) } else { 0.0 };
             let time = |pose: &StampedPose| {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use dsslam_io::{FrameSource, ImageError, ImageSize, load_depth, load_frame, load_gray, open_sequence};
+use dsslam_io::{ImageError, ImageSize, check_size, load_depth, load_frame, load_gray, open_sequence};
 use geometry::DepthImage;
 
 use super::support::Folder;
@@ -168,10 +168,11 @@ fn depth_of_another_size() {
 fn a_frame_of_another_size_than_the_sequence() {
     let folder = Folder::kitti(1);
     let sequence = open_sequence(folder.path(), None).unwrap();
-    let source: &FrameSource = &sequence.frames[0];
-    let frame = load_frame(source).unwrap();
-    assert_eq!(frame.check_size(source, ImageSize { width: 40, height: 20 }, "as the first"), Ok(()));
-    let error = frame.check_size(source, ImageSize { width: 41, height: 20 }, "as the first").unwrap_err();
+    let source = &sequence.frames[0];
+    let size = load_frame(source).unwrap().size();
+    let check = |width| check_size(&source.left, size, ImageSize { width, height: 20 }, "as the first");
+    assert_eq!(check(40), Ok(()));
+    let error = check(41).unwrap_err();
     assert_eq!(
         folder.hide(error),
         "DIR/image_0/000000.png: found 40x20 pixels, expected 41x20 (as the first)"

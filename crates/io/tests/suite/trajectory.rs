@@ -84,7 +84,7 @@ fn kitti_rows_have_no_times() {
     let file = read_trajectory(&folder.file("k.txt"), None).unwrap();
     assert_eq!((file.format, file.stamps), (Kitti, Stamps::Rows));
     assert_eq!(file.trajectory.poses[3].timestamp_s, 3.0);
-    let stamped = file.clone().with_frame_times(&[0.5, 1.5, 2.5]);
+    let stamped = file.clone().at_frames(&[0.5, 1.5, 2.5], 0);
     assert_eq!((stamped.poses.len(), stamped.poses[2].timestamp_s), (3, 2.5));
     assert_eq!(stamped.poses[2].world_from_cam, file.trajectory.poses[2].world_from_cam);
 }
@@ -106,10 +106,10 @@ fn kitti_rows_may_have_frame_numbers_or_times() {
     assert_eq!((numbered.format, numbered.stamps), (Kitti, Stamps::FrameNumbers));
     assert_eq!(found(&numbered.trajectory), [(0.0, 1.0), (2.0, 2.0), (3.0, 3.0), (9.0, 4.0)]);
     let times_s = [10.0, 10.1, 10.2, 10.3];
-    assert_eq!(found(&numbered.with_frame_times(&times_s)), [(10.0, 1.0), (10.2, 2.0), (10.3, 3.0)]);
+    assert_eq!(found(&numbered.at_frames(&times_s, 0)), [(10.0, 1.0), (10.2, 2.0), (10.3, 3.0)]);
     let timed = file(&["0", "0.5", "1e1"]);
     assert_eq!((timed.format, timed.stamps), (Kitti, Stamps::Times));
-    assert_eq!(found(&timed.with_frame_times(&times_s)), [(0.0, 1.0), (0.5, 2.0), (10.0, 3.0)]);
+    assert_eq!(found(&timed.at_frames(&times_s, 0)), [(0.0, 1.0), (0.5, 2.0), (10.0, 3.0)]);
 }
 
 #[test]

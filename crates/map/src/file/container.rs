@@ -64,12 +64,6 @@ pub(super) fn open(bytes: &[u8]) -> Result<(MapFileInfo, Vec<u8>), MapFileError>
     Ok((parse_info(info)?, content))
 }
 
-/// The description of an undamaged file.
-pub(super) fn read_info(bytes: &[u8]) -> Result<MapFileInfo, MapFileError> {
-    let (header, body) = checked(bytes)?;
-    parse_info(&body[..header.info_len as usize])
-}
-
 /// The header and what lies between it and the seal; lengths and checksums are right.
 fn checked(bytes: &[u8]) -> Result<(Header, &[u8]), MapFileError> {
     let header = Header::read(bytes)?;

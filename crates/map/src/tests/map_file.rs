@@ -74,12 +74,10 @@ fn a_map_comes_back_as_it_was() {
     let bytes = encode(&map, &info());
     let (back, told) = decode(&bytes).unwrap();
     assert_eq!((back.digest(), back.revision()), (map.digest(), map.revision()));
-    assert_eq!((&told, read_info(&bytes)), (&info(), Ok(info())));
+    assert_eq!(told, info());
     assert_eq!(encode(&back, &told), bytes, "and is written as the same bytes");
     for (a, b) in map.keyframes().zip(back.keyframes()) {
         assert_eq!((a.inserted_at, a.frame.rig.clone()), (b.inserted_at, b.frame.rig.clone()));
-        let near = |f: &features::Frame| f.features_near(200.0, 100.0, 55.0, 0, 5);
-        assert_eq!(near(&a.frame), near(&b.frame), "the grid is there");
         assert_eq!(a.frame.bounds(), b.frame.bounds());
     }
     assert_eq!((map.first_young.clone(), map.roots()), (back.first_young.clone(), back.roots()));
@@ -88,7 +86,7 @@ fn a_map_comes_back_as_it_was() {
 #[test]
 fn an_empty_map_comes_back_and_can_be_filled() {
     let (mut back, _) = decode(&encode(&Map::new(), &info())).unwrap();
-    assert_eq!((back.digest(), back.revision(), back.root()), (Map::new().digest(), 0, None));
+    assert_eq!((back.digest(), back.revision(), back.roots()), (Map::new().digest(), 0, &[][..]));
     assert_eq!(add(&mut back, &[], &[&[(0, 0)]]), KeyframeId(0));
 }
 
@@ -153,7 +151,6 @@ fn every_changed_byte_is_noticed() {
         let at = if i < 200 { i } else { random.random_range(0..bytes.len()) };
         changed[at] ^= random.random_range(1..=255_u8);
         assert!(decode(&changed).is_err(), "byte {at}");
-        assert!(read_info(&changed).is_err(), "byte {at}");
     }
 }
 
@@ -233,9 +230,9 @@ fn descriptions_of_other_programs_are_read_by_name() {
         changed.extend(&bytes[40 + info_len..]);
         sealed(changed)
     };
-    let told = read_info(&with_info(r#"{"sensor": "mono", "made_with_love": true}"#)).unwrap();
+    let (_, told) = decode(&with_info(r#"{"sensor": "mono", "made_with_love": true}"#)).unwrap();
     assert_eq!(told, MapFileInfo { sensor: Some(Sensor::Mono), ..MapFileInfo::default() });
-    assert_eq!(read_info(&with_info(r#"{"sensor": ""}"#)).unwrap(), MapFileInfo::default());
+    assert_eq!(decode(&with_info(r#"{"sensor": ""}"#)).unwrap().1, MapFileInfo::default());
     let message = decode(&with_info(r#"{"sensor": "lidar"}"#)).unwrap_err().to_string();
     let expected = "unreadable map file: description: found 'lidar', expected stereo, rgbd, mono";
     assert!(message.starts_with(expected), "{message}");

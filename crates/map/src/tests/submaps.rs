@@ -40,12 +40,12 @@ fn parents(map: &Map) -> Vec<Option<u32>> {
 #[test]
 fn a_keyframe_that_starts_a_submap_is_a_root() {
     let map = three_submaps();
-    assert_eq!((map.roots(), map.root()), (&ids(&[0, 4, 8])[..], Some(K(0))));
+    assert_eq!(map.roots(), ids(&[0, 4, 8]));
     let submaps: Vec<u32> = (0..10).map(|k| map.submap_of(K(k)).unwrap().0).collect();
     assert_eq!(submaps, [0, 0, 0, 0, 4, 4, 4, 4, 8, 8]);
     assert_eq!(map.submap_of(K(10)), None);
     // In an empty map every keyframe without a given parent is one.
-    assert_eq!((Map::new().root(), Map::new().roots()), (None, &[][..]));
+    assert!(Map::new().roots().is_empty());
     let mut map = Map::new();
     start_submap(&mut map);
     assert_eq!((map.roots(), map.check()), (&ids(&[0])[..], Ok(())));
@@ -103,7 +103,7 @@ fn a_join_turns_the_path_to_the_old_root_around() {
 fn the_oldest_submap_can_be_joined_under_a_newer_one() {
     let mut map = three_submaps();
     join(&mut map, &[(0, 7)]).unwrap();
-    assert_eq!((map.root(), map.roots()), (Some(K(4)), &ids(&[4, 8])[..]));
+    assert_eq!(map.roots(), ids(&[4, 8]));
     assert_eq!(map.keyframe(K(0)).unwrap().parent(), Some(K(7)));
     map.remove_keyframe(K(0)).unwrap();
     assert_eq!((map.submap_of(K(0)), map.check()), (Some(K(4)), Ok(())));

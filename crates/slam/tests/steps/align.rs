@@ -68,14 +68,10 @@ fn features_come_to_lie_where_the_first_view_had_them() {
     let pairs = (0..a.len()).filter_map(|i| {
         let (id, octave) = (PointId(i as u32), a.keypoints[i].octave);
         let place = expected(id);
-        let near = b.features_near(
-            place.x as f32,
-            place.y as f32,
-            1.2 * a.scales.scales[usize::from(octave)],
-            octave,
-            octave,
-        );
-        near.first().map(|&feature| (feature, id))
+        let radius_px = 1.2 * f64::from(a.scales.scales[usize::from(octave)]);
+        let is_near =
+            |&j: &usize| b.keypoints[j].octave == octave && (b.pixel(j) - place).abs().max() <= radius_px;
+        (0..b.len()).find(is_near).map(|feature| (feature as u32, id))
     });
     let matches: Vec<(u32, PointId)> = pairs.collect();
     let shifts = alignments(&b, &map, &second, &matches);

@@ -80,7 +80,7 @@ fn a_keyframe_is_placed_relative_to_its_reference() {
     let id = mapper.insert_keyframe(&request(frame, Placement::Near(pose), matches)).unwrap();
     let keyframe = mapper.world.map.keyframe(id).unwrap();
     assert!(gap(&keyframe.cam_from_world, &(motion * first)) < 1e-12);
-    assert_eq!((keyframe.parent(), keyframe.n_points()), (Some(root), 19));
+    assert_eq!((keyframe.parent(), keyframe.points().iter().flatten().count()), (Some(root), 19));
     assert_eq!(mapper.young.len(), 29, "nine features with depth had no point");
     assert_eq!(mapper.world.map.check(), Ok(()));
 }
