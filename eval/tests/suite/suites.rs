@@ -39,7 +39,7 @@ JSON
 /// What a run writes that loses frames 0 and 120.
 fn results_of_a_run(folder: &Path) {
     let times_s: Vec<f64> = (0..300).map(|i| f64::from(i) * 0.1).collect();
-    let read = |name: &str| io::read_trajectory(&fixture(name), None).unwrap().with_frame_times(&times_s);
+    let read = |name: &str| io::read_trajectory(&fixture(name), None).unwrap().at_frames(&times_s, 0);
     let (mut est, truth) = (read("kitti_est.txt"), read("kitti_gt.txt"));
     let is_lost = |i: usize| i == 0 || i == 120;
     let frames = est.poses.iter().enumerate();

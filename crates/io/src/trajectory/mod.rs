@@ -21,7 +21,7 @@ pub use tum::{write_tum, write_tum_at};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StampedPose {
     /// Seconds. KITTI pose files carry no times: there it is the row or frame number until
-    /// [`TrajectoryFile::with_frame_times`].
+    /// [`TrajectoryFile::at_frames`].
     pub timestamp_s: f64,
     /// Pose of the camera (of the body in EuRoC's ground truth) in the world, meters.
     pub world_from_cam: SE3,

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use super::random_mutations::{random_map, random_step};
 use super::world::*;
-use crate::file::{FORMAT_VERSION, decode, encode, read_info};
+use crate::file::{FORMAT_VERSION, decode, encode};
 use crate::{Batch, KeyframeId, Map, MapFileError, MapFileInfo, NewKeyframe, PointId};
 
 fn info() -> MapFileInfo {

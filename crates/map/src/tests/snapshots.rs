@@ -101,7 +101,7 @@ fn the_digest_sees_every_field() {
 
 #[test]
 fn an_arena_gives_ids_in_order_and_never_again() {
-    let mut arena: Arena<PointId, u32, PointId> = Arena::new();
+    let mut arena: Arena<PointId, u32, PointId> = Arena::default();
     for i in 0..200 {
         assert_eq!(arena.push(10 * i), PointId(i));
     }
