@@ -23,8 +23,6 @@ pub struct FrameRow {
     pub reason: String,
     /// How far it is to be trusted, 0 to 1; `None` in tables of versions before 0.3.
     pub quality: Option<f64>,
-    /// What lowers that.
-    pub quality_reasons: Vec<String>,
     /// Covariance of its pose, if it has one.
     pub covariance: Option<PoseCovariance>,
 }
@@ -66,11 +64,6 @@ fn row(header: &StringRecord, cells: &StringRecord) -> Result<FrameRow> {
         inliers: text("inliers").parse().unwrap_or(0),
         reason: text("reason").to_owned(),
         quality: column("quality").map(|cell| number(cell, "quality")).transpose()?,
-        quality_reasons: text("quality_reasons")
-            .split(';')
-            .filter(|r| !r.is_empty())
-            .map(str::to_owned)
-            .collect(),
         covariance: match covariance {
             Some(cells) if cells.iter().any(|cell| !cell.is_empty()) => Some(triangle(&cells)?),
             _ => None,
@@ -116,7 +109,6 @@ mod tests {
         let rows = read(&text).unwrap();
         assert_eq!((rows[0].frame, rows[0].covariance, rows[0].quality), (0, None, Some(0.0)));
         assert_eq!(rows[1].covariance.map(|c| c.triangle()), Some(triangle));
-        assert_eq!(rows[1].quality_reasons, ["few_inliers", "mostly_far"]);
         let old = read("frame,timestamp_s,state,submap,inliers,reason\n7,0.5,tracked,K0,40,\n").unwrap();
         assert_eq!((old[0].frame, old[0].quality, old[0].covariance), (7, None, None));
     }

@@ -28,8 +28,8 @@ pub(crate) fn run(args: &SynthArgs) -> Result<Exit, Failure> {
     let n_frames = n_frames(&args.world, &world);
     let bar = console::bar(Some(n_frames as u64), "{bar:24} {pos}/{len} frames");
     let options = WriteOptions { max_frames: Some(n_frames), masks: args.masks, depth: args.depth };
-    let mut progress = |progress: synth::Progress| {
-        bar.set_position(progress.done as u64);
+    let mut progress = |done: usize| {
+        bar.set_position(done as u64);
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let written = match args.layout {

@@ -76,8 +76,6 @@ pub struct VideoHeader {
     pub size: ImageSize,
     /// Frames per second, where the stream tells.
     pub frame_rate_hz: Option<f64>,
-    /// Number of frames, where the stream tells (`XN`, DSSLAM's own).
-    pub n_frames: Option<usize>,
     /// Bytes of color behind the gray values of a frame.
     color_bytes: usize,
 }
@@ -170,7 +168,7 @@ fn parse_header(line: &str) -> Option<VideoHeader> {
     if fields.next() != Some(MAGIC) {
         return None;
     }
-    let (mut width, mut height, mut frame_rate_hz, mut n_frames, mut color) = (None, None, None, None, "420");
+    let (mut width, mut height, mut frame_rate_hz, mut color) = (None, None, None, "420");
     for field in fields.filter(|field| !field.is_empty()) {
         let (tag, value) = field.split_at_checked(1)?;
         match tag {
@@ -178,7 +176,6 @@ fn parse_header(line: &str) -> Option<VideoHeader> {
             "H" => height = Some(value.parse::<usize>().ok()?),
             "F" => frame_rate_hz = parse_rate(value)?,
             "C" => color = value,
-            "X" => n_frames = value.strip_prefix('N').and_then(|n| n.parse().ok()).or(n_frames),
             _ => {}
         }
     }
@@ -196,7 +193,7 @@ fn parse_header(line: &str) -> Option<VideoHeader> {
         "444" => 2 * size.width * size.height,
         _ => return None,
     };
-    Some(VideoHeader { size, frame_rate_hz, n_frames, color_bytes })
+    Some(VideoHeader { size, frame_rate_hz, color_bytes })
 }
 
 /// A rate `30000:1001`; `0:0` stands for an unknown one.
@@ -227,7 +224,7 @@ mod tests {
         let stream = stream("YUV4MPEG2 W3 H2 F30000:1001 Ip A1:1 Cmono XN7", &frames);
         let mut reader = reader(&stream).unwrap();
         let header = reader.header().clone();
-        assert_eq!((header.size.to_string().as_str(), header.n_frames), ("3x2", Some(7)));
+        assert_eq!(header.size.to_string(), "3x2");
         assert!((header.frame_rate_hz.unwrap() - 29.97).abs() < 1e-3);
         let first = reader.next_frame().unwrap().unwrap();
         assert_eq!((first.timestamp_s, first.image.at(0, 1)), (Some(0.25), b'd'));

@@ -63,8 +63,6 @@ pub struct Inserted {
     pub keyframe: Option<KeyframeId>,
     /// The new points, in the order of the batch.
     pub points: Vec<PointId>,
-    /// Points that ended their probation with a single observation and were removed, in order of their ids.
-    pub expired: Vec<PointId>,
 }
 
 impl Map {
@@ -87,7 +85,6 @@ impl Map {
         let points = batch.points.into_iter().map(|new| self.add_point(new, &mut change)).collect();
         self.apply_covisibility(change);
         matched.iter().for_each(|&p| self.refresh_point(p));
-        let mut expired = Vec::new();
         if let Some(id) = keyframe {
             let best = self.keyframes.live(id).covisible.first().map(|&(k, _)| k);
             let parent = match wanted_parent {
@@ -96,10 +93,10 @@ impl Map {
                 Parent::NewSubmap => None,
             };
             self.hang(id, parent);
-            expired = self.end_probation();
+            self.end_probation();
         }
         self.revision += 1;
-        Ok(Inserted { keyframe, points, expired })
+        Ok(Inserted { keyframe, points })
     }
 
     fn validate_batch(&self, batch: &Batch) -> Result<(), MapError> {
@@ -202,9 +199,9 @@ impl Map {
     }
 
     /// Removes the points that stop being young because of the last inserted keyframe and have one observation.
-    fn end_probation(&mut self) -> Vec<PointId> {
+    fn end_probation(&mut self) {
         if self.first_young.len() <= PROBATION_KEYFRAMES {
-            return Vec::new();
+            return;
         }
         let first = self.first_young.remove(0);
         let grown_up = (first.index()..self.first_young[0].index()).map(PointId::from_index);
@@ -213,7 +210,6 @@ impl Map {
         let mut change = CovisibilityChange::default();
         expired.iter().for_each(|&p| self.discard(p, None, &mut change));
         self.apply_covisibility(change);
-        expired
     }
 }
 

@@ -49,5 +49,5 @@ pub use preset::Preset;
 pub use spot_turns::SpotTurns;
 pub use town::{LABEL_MOVING, LABEL_PARKED, LABEL_SKY, LABEL_STATIC};
 pub use world::{FRAME_RATE_HZ, LensRig, StereoFrame, StereoImages, World};
-pub use write::{DEPTH_UNITS_PER_METRE, Progress, WriteOptions, write_kitti};
+pub use write::{DEPTH_UNITS_PER_METRE, WriteOptions, write_kitti};
 pub use write_euroc::write_euroc;

@@ -24,8 +24,6 @@ const STREET_M: f64 = 900.0;
 /// The two images of a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StereoImages {
-    /// Seconds since the first frame.
-    pub timestamp_s: f64,
     /// Left camera.
     pub left: GrayImage,
     /// Right camera.
@@ -35,8 +33,6 @@ pub struct StereoImages {
 /// Images and ground truth of a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StereoFrame {
-    /// Seconds since the first frame.
-    pub timestamp_s: f64,
     /// Left camera.
     pub left: GrayImage,
     /// Right camera.
@@ -199,7 +195,6 @@ impl World {
             || self.picture(&moment, Eye::Right, i),
         );
         StereoFrame {
-            timestamp_s: moment.t,
             left: left.0,
             right,
             depth_m: left.1.depth_m,
@@ -213,7 +208,7 @@ impl World {
         let moment = self.moment(i);
         let (left, right) =
             rayon::join(|| self.picture(&moment, Eye::Left, i), || self.picture(&moment, Eye::Right, i));
-        StereoImages { timestamp_s: moment.t, left, right }
+        StereoImages { left, right }
     }
 
     /// The world as raw cameras with lenses see it.

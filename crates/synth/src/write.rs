@@ -24,18 +24,8 @@ pub struct WriteOptions {
     pub depth: bool,
 }
 
-/// How far the writing is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// Frames written so far.
-    pub done: usize,
-    /// Frames in all.
-    pub total: usize,
-}
-
 /// Writes `calib.txt`, `times.txt`, `poses.txt`, `synth.json`, `image_0/`, `image_1/` and what the options ask for into `out_dir`
-/// (created if missing). `progress` hears of every frame and may stop
-/// the writing: what is written so far is a complete, shorter sequence. Returns the number of frames written.
+/// (created if missing). `progress` hears how many frames there are after each, and may stop the writing: what is written so far is a complete, shorter sequence. Returns the number of frames written.
 ///
 /// # Errors
 /// When a folder or file cannot be written; the message names it.
@@ -43,7 +33,7 @@ pub fn write_kitti(
     world: &World,
     out_dir: &Path,
     options: &WriteOptions,
-    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<usize, FileError> {
     let mut folders = vec!["image_0", "image_1"];
     folders.extend(options.masks.then_some("masks"));
@@ -63,13 +53,13 @@ pub fn write_kitti(
 pub(crate) fn each_frame(
     world: &World,
     max_frames: Option<usize>,
-    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
     write: impl Fn(usize) -> Result<(), FileError>,
 ) -> Result<usize, FileError> {
     let total = max_frames.map_or(world.n_frames(), |n| n.min(world.n_frames()));
     for i in 0..total {
         write(i)?;
-        if progress(Progress { done: i + 1, total }).is_break() {
+        if progress(i + 1).is_break() {
             return Ok(i + 1);
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::lens::{Lens, LensCamera};
 use crate::world::{FRAME_RATE_HZ, World};
-use crate::write::{Progress, each_frame};
+use crate::write::each_frame;
 use geometry::{CameraModel, Distortion, KannalaBrandt, Rational, SE3, SO3, Vec3};
 use io::{FileError, StampedPose, Trajectory};
 use std::ops::ControlFlow;
@@ -18,8 +18,8 @@ fn body_from_rig() -> SE3 {
 }
 
 /// Writes `mav0/cam0`, `mav0/cam1` (each with `data.csv`, `sensor.yaml` and `data/`) and `mav0/state_groundtruth_estimate0/data.csv` into
-/// `out_dir` (created if missing), at most `max_frames` frames. `progress` hears of every frame and may stop the writing. Returns the
-/// number of frames written.
+/// `out_dir` (created if missing), at most `max_frames` frames. `progress` hears how many there are after each, and may stop the writing. Returns
+/// the number of frames written.
 ///
 /// # Errors
 /// When a folder or file cannot be written; the message names it.
@@ -28,7 +28,7 @@ pub fn write_euroc(
     out_dir: &Path,
     lens: Lens,
     max_frames: Option<usize>,
-    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    progress: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<usize, FileError> {
     let root = out_dir.join("mav0");
     let folders = ["cam0", "cam1"].map(|name| root.join(name));

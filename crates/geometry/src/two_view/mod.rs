@@ -105,8 +105,6 @@ pub struct TwoView {
     pub points: Vec<Option<Vec3>>,
     /// Where the motion comes from.
     pub model: TwoViewModel,
-    /// Share of the homography in the sum of the scores of both models: about one half for a plane, less for a scene with depth.
-    pub homography_share: f64,
     /// Matches that the model explained.
     pub n_inliers: usize,
     /// Matches that agree with the motion, those with too little parallax for a point among them.
@@ -162,7 +160,7 @@ impl TwoViewReconstruction {
             return Err(self.too_little_parallax(TwoViewModel::Homography, 0.0));
         };
         self.judge(&outcome)?;
-        Ok(outcome.into_two_view(models.homography_share(&views)))
+        Ok(outcome.into_two_view())
     }
 
     /// The tests of the best motion.

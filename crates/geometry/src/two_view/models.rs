@@ -1,7 +1,7 @@
 //! The two models, side by side, and the choice between them.
 
 use super::{CHI2_LINE, CHI2_PIXEL, TwoViewModel, Views};
-use crate::aliases::{Mat3, Vec2, Vec3};
+use crate::aliases::Mat3;
 use crate::essential::{decompose_essential, essential_from_fundamental};
 use crate::estimators::{FundamentalEstimator, HomographyEstimator};
 use crate::homography::{Homography, decompose_homography};
@@ -60,13 +60,6 @@ impl Models {
         };
         inliers.into_iter().flatten().filter(|&&i| views.weights[i] > 0.0).count()
     }
-
-    /// The share of the homography in the sum of both scores: about one half for a plane or a mere turn, less for depth.
-    pub(super) fn homography_share(&self, views: &Views<'_>) -> f64 {
-        let by_plane = self.homography.as_ref().map_or(0.0, |h| homography_score(views, &h.model));
-        let by_lines = self.fundamental.as_ref().map_or(0.0, |f| fundamental_score(views, &f.model));
-        by_plane / (by_plane + by_lines)
-    }
 }
 
 fn consensus<E: Estimator>(
@@ -84,34 +77,4 @@ fn consensus<E: Estimator>(
 fn unit(motion: &SE3) -> Option<SE3> {
     let direction = motion.translation.try_normalize(f64::EPSILON)?;
     Some(SE3::new(motion.rotation, direction))
-}
-
-/// Mur-Artal et al. 2015, equation 2: what the errors of each match in both images leave of their limit.
-fn homography_score(views: &Views<'_>, homography: &Homography) -> f64 {
-    let gain = |error_sq: f64| (CHI2_PIXEL - error_sq / views.variance()).max(0.0);
-    let score = |i: usize| {
-        let (first, second) = views.pixels(i);
-        homography.transfer_errors_sq(first, second).map(gain).iter().sum::<f64>() * views.weights[i]
-    };
-    (0..views.len()).map(score).sum()
-}
-
-/// The same for distances from epipolar lines, which have one degree of freedom but the same limit, so that both scores compare.
-fn fundamental_score(views: &Views<'_>, fundamental: &Mat3) -> f64 {
-    let gain = |error_sq: f64| {
-        let error_sq = error_sq / views.variance();
-        if error_sq < CHI2_LINE { CHI2_PIXEL - error_sq } else { 0.0 }
-    };
-    let score = |i: usize| {
-        let (first, second) = views.pixels(i);
-        let in_second = line_error_sq(&(fundamental * first.push(1.0)), second);
-        let in_first = line_error_sq(&fundamental.tr_mul(&second.push(1.0)), first);
-        (gain(in_second) + gain(in_first)) * views.weights[i]
-    };
-    (0..views.len()).map(score).sum()
-}
-
-/// Squared distance of a pixel from a line.
-fn line_error_sq(line: &Vec3, pixel: &Vec2) -> f64 {
-    line.dot(&pixel.push(1.0)).powi(2) / line.xy().norm_squared()
 }

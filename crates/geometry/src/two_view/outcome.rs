@@ -35,14 +35,13 @@ impl Outcome {
         Some(Self { best, second_share, model, n_inliers })
     }
 
-    pub(super) fn into_two_view(self, homography_share: f64) -> TwoView {
+    pub(super) fn into_two_view(self) -> TwoView {
         let Self { best, second_share, model, n_inliers } = self;
         let mut depths: Vec<f64> = best.points.iter().flatten().map(|point| point.z).collect();
         depths.sort_by(f64::total_cmp);
         TwoView {
             second_from_first: best.motion,
             model,
-            homography_share,
             n_inliers,
             n_consistent: best.n_consistent,
             n_points: best.n_points,
