@@ -7,7 +7,6 @@ use bow::tool::{self, Format, Info};
 use bow::{TrainOptions, Vocabulary, VocabularyError};
 use features::{Descriptor, ExtractorConfig};
 use indicatif::ProgressBar;
-use sha2::{Digest, Sha256};
 
 use crate::args::{VocabAction, VocabTrainArgs};
 use crate::console;
@@ -84,7 +83,7 @@ fn describe_images(
 
 /// Prints what there is to know about a vocabulary.
 fn describe(origin: &str, format: Format, vocabulary: &Vocabulary) {
-    let sha256: String = Sha256::digest(vocabulary.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
+    let sha256 = dsslam::sha256(vocabulary.as_bytes());
     console::say(format!("vocabulary   {origin}"));
     console::say(format!("format       {format}"));
     console::say(Info::of(vocabulary).to_string());

@@ -25,7 +25,8 @@ pub struct WriteOptions {
 }
 
 /// Writes `calib.txt`, `times.txt`, `poses.txt`, `synth.json`, `image_0/`, `image_1/` and what the options ask for into `out_dir`
-/// (created if missing). `progress` hears how many frames there are after each, and may stop the writing: what is written so far is a complete, shorter sequence. Returns the number of frames written.
+/// (created if missing). `progress` hears how many frames there are after each, and may stop the writing: what is
+/// written so far is a complete, shorter sequence. Returns the number of frames written.
 ///
 /// # Errors
 /// When a folder or file cannot be written; the message names it.

@@ -16,6 +16,7 @@ use io::{StampedPose, TrajectoryFormat};
 use serde_json::Value;
 
 use super::start::position;
+use crate::export;
 use crate::outputs::{TRUTH_FILE, submap_file};
 
 /// What a results folder and a map's file tell.
@@ -43,8 +44,7 @@ pub(super) fn records(folder: &Path, map: Option<&Path>) -> Result<Vec<Record>> 
     place_submaps(folder, &rows, &mut poses)?;
     let mut records = vec![Record::Start(start(folder, &summary, &rows)?)];
     if let Some(file) = map {
-        let bytes = io::read_file(file).with_context(|| format!("{}: cannot be read", file.display()))?;
-        let (map, _) = map::file::decode(&bytes).with_context(|| file.display().to_string())?;
+        let (map, _) = export::read(file)?;
         let first = rows.first().map_or(0, |row| row.frame);
         records.push(Record::Map(DeltaTracker::new(DeltaOptions::default()).finish(&map, first)));
     }
