@@ -68,7 +68,7 @@ impl SE3 {
         blocks(r, &(SO3::hat(&self.translation) * r))
     }
 
-    /// The inverse of [`SE3::left_jacobian`], for angles below two pi (Barfoot 7.95).
+    /// The inverse of the `J` with `exp(v + d) = exp(J d) exp(v)` to first order in `d`, for angles below two pi (Barfoot 7.85, 7.95).
     pub fn left_jacobian_inverse(tangent: &Vec6) -> Mat6 {
         let (rho, phi) = split(tangent);
         let inverse = SO3::left_jacobian_inverse(&phi);
