@@ -280,7 +280,8 @@ fn accepted_maps_are_right() {
         let case = format!("seed {seed}, length {length}, {n_outliers} outliers");
         let turn = random_motion(&mut generator(seed), 1.0, 0.15);
         let motion = SE3::new(turn.rotation, turn.translation.normalize() * length);
-        let scene = Scene::new(seed, 300, motion, |_, share| 4.0 + 10.0 * share).with_outliers(seed, n_outliers);
+        let scene =
+            Scene::new(seed, 300, motion, |_, share| 4.0 + 10.0 * share).with_outliers(seed, n_outliers);
         n_wide += usize::from(length > 0.6);
         match scene.reconstruct() {
             Ok(found) => {
