@@ -17,7 +17,13 @@ use crate::stages::map::{MapStage, Out};
 use crate::stages::track::Message;
 use crate::timings::Pace;
 
-/// Sends frames at the pace of their timestamps. `slot` and `taken` are the ends of a channel for one frame: a frame
+/// A frame is loaded this many times as long before it is due as loading has taken at most of late.
+const LOADED_AHEAD: f64 = 2.0;
+/// What a longer time of loading still counts one frame later.
+const FORGETTING: f64 = 0.9;
+
+/// Sends frames at the pace of their timestamps. Each is loaded shortly before it is due, since decoding right after the frame before
+/// would take a core from its tracking. `slot` and `taken` are the ends of a channel for one frame: a frame
 /// that nobody has taken by the time of the next one is replaced by it. Ends early when `reader_is_there` is closed. Returns how many
 /// frames there are, as far as is known.
 pub(crate) fn paced(
@@ -28,6 +34,7 @@ pub(crate) fn paced(
     reader_is_there: &Receiver<()>,
 ) -> usize {
     let pace = Pace::start();
+    let mut loading_s = 0.0;
     for n in 0..frames {
         faults.step();
         if feed.ends_before(n) {
@@ -35,7 +42,12 @@ pub(crate) fn paced(
         }
         let since_first = |feed: &dyn FrameFeed| feed.info(n).timestamp_s - feed.info(0).timestamp_s;
         let seconds = if feed.keeps_pace() { 0.0 } else { since_first(feed) };
+        if !pace.wait(seconds - LOADED_AHEAD * loading_s, reader_is_there) {
+            break;
+        }
+        let begun_s = pace.seconds();
         let fetched = fetch(feed, n);
+        loading_s = f64::max(pace.seconds() - begun_s, FORGETTING * loading_s);
         if !pace.wait(seconds, reader_is_there) {
             break;
         }

@@ -134,6 +134,11 @@ impl Pace {
         Pace { start: now() }
     }
 
+    /// Seconds since the start.
+    pub(crate) fn seconds(&self) -> f64 {
+        now().duration_since(self.start).as_secs_f64()
+    }
+
     /// Waits until `seconds` after the start; whether the sender of `open` was still there then.
     pub(crate) fn wait(&self, seconds: f64, open: &Receiver<()>) -> bool {
         let due = Duration::try_from_secs_f64(seconds).unwrap_or_default();
