@@ -45,14 +45,14 @@ fn each_candidate_has_its_own_row() {
 fn a_row_knows_what_it_began_with() {
     let map = chain(&line(12, 1.0), 4);
     let mut consistency = Consistency::default();
-    let steps: [(u32, &[u32]); 3] = [(20, &[5, 9]), (21, &[7]), (23, &[8, 5])];
+    let steps: [(u32, &[u32]); 3] = [(20, &[5, 9]), (21, &[7]), (23, &[8, 5, 2])];
     let rows = steps.map(|(k, step)| {
         let candidates: Vec<KeyframeId> = step.iter().map(|&id| KeyframeId(id)).collect();
         consistency.advance(KeyframeId(k), &map, &candidates, 2).0
     });
     let began = (KeyframeId(20), KeyframeId(5));
     assert_eq!(rows[..2], [vec![], vec![]]);
-    assert_eq!(rows[2], [8].map(|id| Row { candidate: KeyframeId(id), length: 2, began }));
+    assert_eq!(rows[2], [8, 5].map(|id| Row { candidate: KeyframeId(id), length: 2, began }));
 }
 
 #[test]
