@@ -23,7 +23,7 @@ pub struct SlamOptions {
     pub network: NetworkOptions,
     /// File of a vocabulary; `None`: the built-in one.
     pub vocabulary: Option<PathBuf>,
-    /// File of a map to start with.
+    /// File of a map to start with; see [`map::file`] for what it keeps of a run.
     pub start_map: Option<PathBuf>,
     /// Only finds the camera in the start map and adds nothing to it.
     pub localize_only: bool,

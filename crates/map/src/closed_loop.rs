@@ -8,6 +8,10 @@ use geometry::SE3;
 use crate::ids::Id;
 use crate::{KeyframeId, Map};
 
+/// Loops that can be taken back: the newest ones. A keyframe has at most 7 kB in all of them together, a quarter of what its own
+/// features take.
+const MAX_LOOPS: usize = 64;
+
 /// A loop that was closed within a sub-map, with 112 bytes for each of its keyframes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClosedLoop {
@@ -79,7 +83,8 @@ impl ClosedLoop {
 }
 
 impl Map {
-    /// The loops that stand and can be taken back, in the order in which they were closed. Those closed in a sub-map that has
+    /// The loops that stand and can be taken back, at most 64, in the order in which they were closed. When there are more, the oldest
+    /// one stands for good: all of the later ones agreed with it. Those closed in a sub-map that has
     /// been joined to another one since stand for good, and so does the one that joined them.
     pub fn loops(&self) -> &[Arc<ClosedLoop>] {
         &self.loops
@@ -97,6 +102,8 @@ impl Map {
                 self.loops.push(note);
             }
         }
+        let too_old = self.loops.len().saturating_sub(MAX_LOOPS);
+        self.loops.drain(..too_old);
     }
 
     fn note_loop(&self, matched: KeyframeId, keyframe: KeyframeId) -> ClosedLoop {

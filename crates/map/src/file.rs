@@ -4,6 +4,9 @@
 //! geometry of points, grids of frames) is computed when a file is read, bit for bit as it was, and the map that is
 //! returned has passed [`Map::check`].
 //!
+//! Closed loops can still be taken back in a map that was read. What had been heard against them belongs to the run that heard it and
+//! is not stored: in the next run two places must contradict a loop again.
+//!
 //! | bytes | content (numbers little-endian) |
 //! |---|---|
 //! | 8 | `DSMAP`, 0, CR, LF |

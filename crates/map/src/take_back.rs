@@ -43,14 +43,22 @@ impl TakenBack {
 }
 
 impl Map {
-    /// The poses `cam_from_world` that a sub-map would have if these loops, named by their two keyframes, were taken back and
-    /// nothing was adjusted after it, by id; none if one of the loops does not stand.
-    pub fn poses_without(&self, pairs: &[(KeyframeId, KeyframeId)]) -> Vec<(KeyframeId, SE3)> {
-        let Ok(listed) = self.find_loops(pairs) else { return Vec::new() };
-        let Some(first) = listed.first().map(|&at| self.loops[at].clone()) else { return Vec::new() };
-        let moved = self.moved_keyframes(&self.undoing(&first));
-        let members = self.submap_members(first.keyframe).into_iter().map(|id| self.keyframes.live(id));
-        members.map(|k| (k.id, moved.get(&k.id).map_or(k.cam_from_world, |m| m.cam_from_world))).collect()
+    /// The pose `cam_from_world` that a keyframe would have if a loop was taken back and nothing was adjusted after it; `None` if
+    /// the keyframe is gone.
+    pub fn pose_without(&self, closed: &ClosedLoop, keyframe: KeyframeId) -> Option<SE3> {
+        let now = self.keyframe(keyframe)?;
+        let mut carrier = now;
+        loop {
+            if let Some((before, scale)) = closed.before_of(carrier.id) {
+                let mut from_carrier = now.cam_from_world * carrier.cam_from_world.inverse();
+                from_carrier.translation *= scale / carrier.scale;
+                return Some(from_carrier * before);
+            }
+            // What came later follows its parent.
+            let parent = carrier.parent().filter(|_| carrier.inserted_at > closed.revision);
+            let Some(parent) = parent else { return Some(now.cam_from_world) };
+            carrier = self.keyframes.live(parent);
+        }
     }
 
     /// Takes back loops: points that both sides came to share are split, the spanning tree joins each side to itself,

@@ -21,14 +21,14 @@ pub struct Witness<M> {
 const MAX_LEFT: f64 = 0.5;
 
 /// The loop at fault for a refused candidate, by its place in the list: without it the candidate passes, and at most half of the
-/// contradiction is left of what there is with all loops, and of what there is without any one of the others. Contradictions are
-/// in parts of what is allowed: [`LoopVerdict::strain`](super::LoopVerdict::strain) and
-/// [`DriftModel::strain`](super::DriftModel::strain), the larger one.
+/// contradiction is left of what there is with all loops, and of what there is without any one of the others; `None` also for a
+/// candidate that contradicts nothing. Contradictions are in parts of what is allowed:
+/// [`LoopVerdict::strain`](super::LoopVerdict::strain) and [`DriftModel::strain`](super::DriftModel::strain), the larger one.
 pub fn culprit(with_all: f64, without: &[f64]) -> Option<usize> {
     let best = (0..without.len()).min_by(|&a, &b| without[a].total_cmp(&without[b]))?;
     let others = (0..without.len()).filter(|&at| at != best).map(|at| without[at]);
     let is_clear = others.chain([with_all]).all(|other| without[best] <= MAX_LEFT * other);
-    (is_clear && without[best] <= 1.0).then_some(best)
+    (with_all > 1.0 && is_clear && without[best] <= 1.0).then_some(best)
 }
 
 /// Witnesses against loops `L` heard so far.
@@ -80,6 +80,7 @@ mod tests {
         assert_eq!(culprit(4.0, &[0.4, 0.5]), None, "either");
         assert_eq!(culprit(4.0, &[1.2, 4.0]), None, "neither");
         assert_eq!(culprit(1.1, &[0.9]), None, "a little slack");
+        assert_eq!(culprit(0.9, &[0.1]), None, "no contradiction");
         assert_eq!(culprit(4.0, &[]), None);
     }
 

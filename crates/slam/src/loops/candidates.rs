@@ -4,11 +4,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use bow::{BowVector, Familiarity, PlaceMatch};
-use map::{KeyframeId, Map};
+use geometry::Vec3;
+use map::{ClosedLoop, KeyframeId, Map};
 
 use super::outcome::NoLoop;
 use super::position_prior::PositionPrior;
-use super::take_back::centers_without;
 use crate::keyframe_database::Alike;
 use crate::params::Params;
 use crate::world::World;
@@ -67,18 +67,20 @@ pub(super) fn find_far(keyframe: KeyframeId, world: &World, params: &Params) -> 
         return Vec::new();
     }
     let prior = PositionPrior::new(map, keyframe, &params.camera);
-    let mut far: Vec<KeyframeId> = map.keyframes().map(|k| k.id).filter(|&id| !prior.allows(id)).collect();
-    if !far.is_empty() {
-        let priors =
-            centers_without(map).map(|centers| PositionPrior::along(centers, keyframe, &params.camera));
-        let priors: Vec<PositionPrior> = priors.collect();
-        far.retain(|&id| priors.iter().any(|prior| prior.allows(id)));
-    }
-    if far.is_empty() {
-        return far;
-    }
+    let mut far = world.places.alike(bow, |id| !prior.allows(id));
     let min_score = lowest_covisible_score(current, bow, world, params.loops.min_covisible_weight);
-    strongest_groups(map, &world.places.alike(bow, |id| far.binary_search(&id).is_ok()), min_score)
+    far.retain(|alike| alike.score >= min_score);
+    if !far.is_empty() {
+        // Later loops are left as they are.
+        let center = |closed: &ClosedLoop, id| Some(map.pose_without(closed, id)?.center());
+        let loops = map.loops().iter().filter_map(|closed| Some((&**closed, center(closed, keyframe)?)));
+        let loops: Vec<(&ClosedLoop, Vec3)> = loops.collect();
+        let would_be = |id, &(closed, here): &(&ClosedLoop, Vec3)| {
+            center(closed, id).is_some_and(|there| prior.would_allow(id, (here - there).norm()))
+        };
+        far.retain(|alike| loops.iter().any(|closed| would_be(alike.keyframe, closed)));
+    }
+    strongest_groups(map, &far, min_score)
 }
 
 /// The keyframe that has been most familiar, if it stands out.

@@ -18,20 +18,11 @@ pub(super) struct PositionPrior {
 
 impl PositionPrior {
     pub(super) fn new(map: &Map, current: KeyframeId, params: &CameraParams) -> Self {
-        let members = map.submap_members(current).into_iter().filter_map(|id| map.keyframe(id));
-        Self::along(members.map(|keyframe| (keyframe.id, keyframe.center())), current, params)
-    }
-
-    /// Of keyframes at other places than those in the map, in order of their ids.
-    pub(super) fn along(
-        centers: impl IntoIterator<Item = (KeyframeId, Vec3)>,
-        current: KeyframeId,
-        params: &CameraParams,
-    ) -> Self {
         let mut along: Vec<(KeyframeId, Vec3, f64)> = Vec::new();
-        for (id, center) in centers {
+        for keyframe in map.submap_members(current).into_iter().filter_map(|id| map.keyframe(id)) {
+            let center = keyframe.center();
             let path_m = along.last().map_or(0.0, |(_, last, path)| path + (center - last).norm());
-            along.push((id, center, path_m));
+            along.push((keyframe.id, center, path_m));
         }
         PositionPrior { current: find(&along, current), along, drift: drift_model(params) }
     }
@@ -42,6 +33,12 @@ impl PositionPrior {
             return true;
         };
         self.drift.can_meet((here - there).norm(), (now - then).abs())
+    }
+
+    /// Whether a keyframe could be where the current one is if it was this far away; none of another sub-map could.
+    pub(super) fn would_allow(&self, other: KeyframeId, distance_m: f64) -> bool {
+        let ends = self.current.zip(find(&self.along, other));
+        ends.is_some_and(|((_, now), (_, then))| self.drift.can_meet(distance_m, (now - then).abs()))
     }
 
     /// How far away another keyframe is, over how far the current one may be; 0 for a keyframe of another sub-map.

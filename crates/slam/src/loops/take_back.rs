@@ -1,7 +1,7 @@
 //! A verified place that contradicts the map may say that an earlier loop was wrong: when enough speaks against that one
 //! ([`Doubts`]), the new loop is closed in the map without it.
 
-use geometry::{SE3, Vec3};
+use geometry::SE3;
 use map::{ClosedLoop, Correction, KeyframeId, Map};
 use optim::loop_test::{Doubts, Witness, culprit};
 
@@ -27,14 +27,21 @@ struct Without {
     scales: Vec<(KeyframeId, f64)>,
 }
 
-/// Hears what a refused candidate says; the correction that closes it and takes an earlier loop back, if that is due.
+/// A second witness against a loop: what it says, without that loop and with the first one.
+pub(super) struct Outvoted {
+    without: Without,
+    verified: Verified,
+    first: Witness<SE3>,
+}
+
+/// Hears what a refused candidate says; the loop that it speaks against, if another one before had done so.
 pub(super) fn hear(
     doubts: &mut Doubts<Name, SE3>,
     keyframe: KeyframeId,
     refused: &Verified,
     world: &World,
     params: &Params,
-) -> Option<LoopCorrection> {
+) -> Option<Outvoted> {
     let map = &world.map;
     doubts.keep(|name| map.loops().iter().any(|closed| name == (closed.matched, closed.keyframe)));
     let strain = |verified: &Verified, map: &Map| {
@@ -65,8 +72,21 @@ pub(super) fn hear(
         verdict.is_some_and(|verdict| verdict.is_consistent())
     };
     let first = doubts.hear(without.name, witness, agrees)?;
-    let found = correct(keyframe, &verified, map_without, params, Some(&first)).ok()?;
-    Some(without.in_terms_of(map, found))
+    Some(Outvoted { without, verified, first })
+}
+
+impl Outvoted {
+    /// The correction that closes the loop of the second witness, at `keyframe`, and takes the earlier one back.
+    pub(super) fn correction(
+        &self,
+        keyframe: KeyframeId,
+        map: &Map,
+        params: &Params,
+    ) -> Option<LoopCorrection> {
+        let Outvoted { without, verified, first } = self;
+        let found = correct(keyframe, verified, &without.world.map, params, Some(first)).ok()?;
+        Some(without.in_terms_of(map, found))
+    }
 }
 
 /// The loops that may be at fault, likeliest first: those without which the keyframe comes nearest to where it was verified.
@@ -74,23 +94,13 @@ fn suspects<'m>(keyframe: KeyframeId, refused: &Verified, map: &'m Map) -> Vec<&
     let Some(there) = map.keyframe(refused.matched) else { return Vec::new() };
     let here_from_there = refused.cam_from_world * there.cam_from_world.inverse();
     let off = |closed: &ClosedLoop| {
-        let poses = map.poses_without(&[(closed.matched, closed.keyframe)]);
-        let pose = |id| poses.binary_search_by_key(&id, |p| p.0).ok().map(|at| poses[at].1);
-        let expected = here_from_there * pose(refused.matched)?;
-        Some((expected.center() - pose(keyframe)?.center()).norm())
+        let expected = here_from_there * map.pose_without(closed, refused.matched)?;
+        Some((expected.center() - map.pose_without(closed, keyframe)?.center()).norm())
     };
     let loops = map.loops().iter().filter_map(|closed| Some((off(closed)?, &**closed)));
     let mut loops: Vec<(f64, &ClosedLoop)> = loops.collect();
     loops.sort_by(|a, b| a.0.total_cmp(&b.0));
     loops.into_iter().map(|l| l.1).take(MAX_SUSPECTS).collect()
-}
-
-/// Where the keyframes of its sub-map would be without each of the loops, roughly: later loops left as they are.
-pub(super) fn centers_without(map: &Map) -> impl Iterator<Item = Vec<(KeyframeId, Vec3)>> {
-    map.loops().iter().map(|closed| {
-        let poses = map.poses_without(&[(closed.matched, closed.keyframe)]);
-        poses.into_iter().map(|(id, cam_from_world)| (id, cam_from_world.center())).collect()
-    })
 }
 
 impl Without {

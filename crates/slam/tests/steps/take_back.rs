@@ -1,6 +1,6 @@
 //! The map without one of its loops: the drift of the path remains, and what later loops say.
 
-use geometry::SO3;
+use geometry::{SO3, Vec3};
 use map::Map;
 
 use super::*;
