@@ -20,10 +20,9 @@ use crate::params::Params;
 use crate::probe::{Probe, Stage, staged};
 use crate::world::World;
 pub(crate) use candidates::strongest_groups;
-use consistency::{Consistency, Row};
+use consistency::Consistency;
 pub use global::{GlobalSolution, adjust_globally};
 pub use outcome::{LoopOutcome, NoLoop};
-use verify::Verified;
 
 /// A verified loop: what it joins, and what becomes of the map.
 #[derive(Clone, Debug)]
@@ -92,7 +91,7 @@ impl LoopCloser {
         for candidate in candidates {
             match self.close(keyframe, candidate, world, probe) {
                 Ok(found) => return self.closed(found),
-                Err(reason) => refused = refused.or(Some((candidate.candidate, reason))),
+                Err(reason) => refused = refused.or(Some((candidate, reason))),
             }
         }
         if let Some(found) = self.close_out_of_reach(keyframe, world, probe) {
@@ -122,39 +121,17 @@ impl LoopCloser {
         probe: &mut dyn Probe,
     ) -> Option<LoopCorrection> {
         let found = staged(probe, Stage::LoopDetect, || candidates::find_far(keyframe, world, &self.params));
-        let needed = self.params.loops.consistency;
-        let (found, _) = self.out_of_reach.advance(keyframe, &world.map, &found, needed);
-        found.into_iter().find_map(|row| {
-            let verified = self.verify(keyframe, row.candidate, world, probe).ok()?;
-            self.hear(keyframe, row, &verified, world, probe)
-        })
-    }
-
-    /// Hears what a refused candidate says, and in hindsight the one that its row began with; the correction that takes an earlier
-    /// loop back, if that is due.
-    fn hear(
-        &mut self,
-        keyframe: KeyframeId,
-        row: Row,
-        refused: &Verified,
-        world: &World,
-        probe: &mut dyn Probe,
-    ) -> Option<LoopCorrection> {
-        let (first, candidate) = row.began;
-        let was_short = first < keyframe && row.length == self.params.loops.consistency;
-        if was_short && let Ok(began) = self.verify(first, candidate, world, probe) {
+        let (found, _) = self.out_of_reach.advance(&world.map, &found, self.params.loops.consistency);
+        found.into_iter().find_map(|candidate| {
+            let verified = self.verify(keyframe, candidate, world, probe).ok()?;
             staged(probe, Stage::PoseGraph, || {
-                take_back::hear(&mut self.doubts, first, &began, world, &self.params)
-            });
-        }
-        staged(probe, Stage::PoseGraph, || {
-            let outvoted = take_back::hear(&mut self.doubts, keyframe, refused, world, &self.params)?;
-            outvoted.correction(keyframe, &world.map, &self.params)
+                take_back::hear(&mut self.doubts, keyframe, &verified, world, &self.params)
+            })
         })
     }
 
     /// Candidates that were consistent for long enough; at least one.
-    fn candidates(&mut self, keyframe: KeyframeId, world: &World) -> Result<Vec<Row>, NoLoop> {
+    fn candidates(&mut self, keyframe: KeyframeId, world: &World) -> Result<Vec<KeyframeId>, NoLoop> {
         let params = &self.params.loops;
         if !params.enabled {
             return Err(NoLoop::NoPlaces);
@@ -167,7 +144,7 @@ impl LoopCloser {
         let found = candidates::find(keyframe, world, &self.params, &mut self.familiarity)
             .inspect_err(|_| self.consistency.clear())?;
         let needed = params.consistency;
-        let (accepted, seen) = self.consistency.advance(keyframe, &world.map, &found, needed);
+        let (accepted, seen) = self.consistency.advance(&world.map, &found, needed);
         if accepted.is_empty() { Err(NoLoop::NotYetConsistent { seen, needed }) } else { Ok(accepted) }
     }
 
@@ -175,20 +152,20 @@ impl LoopCloser {
     fn close(
         &mut self,
         keyframe: KeyframeId,
-        row: Row,
+        candidate: KeyframeId,
         world: &World,
         probe: &mut dyn Probe,
     ) -> Result<LoopCorrection, NoLoop> {
-        let verified = self.verify(keyframe, row.candidate, world, probe)?;
-        let corrected = staged(probe, Stage::PoseGraph, || {
-            correct::correct(keyframe, &verified, &world.map, &self.params, None)
-        });
-        match corrected {
-            Err(NoLoop::Inconsistent { reason, numbers }) => self
-                .hear(keyframe, row, &verified, world, probe)
-                .ok_or(NoLoop::Inconsistent { reason, numbers }),
-            other => other,
-        }
+        let verified = self.verify(keyframe, candidate, world, probe)?;
+        staged(probe, Stage::PoseGraph, || {
+            match correct::correct(keyframe, &verified, &world.map, &self.params, None) {
+                Err(NoLoop::Inconsistent { reason, numbers }) => {
+                    take_back::hear(&mut self.doubts, keyframe, &verified, world, &self.params)
+                        .ok_or(NoLoop::Inconsistent { reason, numbers })
+                }
+                other => other,
+            }
+        })
     }
 
     fn verify(
@@ -197,7 +174,7 @@ impl LoopCloser {
         candidate: KeyframeId,
         world: &World,
         probe: &mut dyn Probe,
-    ) -> Result<Verified, NoLoop> {
+    ) -> Result<verify::Verified, NoLoop> {
         staged(probe, Stage::LoopVerify, || verify::verify(candidate, keyframe, world, &self.params))
     }
 }

@@ -27,21 +27,14 @@ struct Without {
     scales: Vec<(KeyframeId, f64)>,
 }
 
-/// A second witness against a loop: what it says, without that loop and with the first one.
-pub(super) struct Outvoted {
-    without: Without,
-    verified: Verified,
-    first: Witness<SE3>,
-}
-
-/// Hears what a refused candidate says; the loop that it speaks against, if another one before had done so.
+/// Hears what a refused candidate says; the correction that closes it and takes an earlier loop back, if that is due.
 pub(super) fn hear(
     doubts: &mut Doubts<Name, SE3>,
     keyframe: KeyframeId,
     refused: &Verified,
     world: &World,
     params: &Params,
-) -> Option<Outvoted> {
+) -> Option<LoopCorrection> {
     let map = &world.map;
     doubts.keep(|name| map.loops().iter().any(|closed| name == (closed.matched, closed.keyframe)));
     let strain = |verified: &Verified, map: &Map| {
@@ -72,21 +65,8 @@ pub(super) fn hear(
         verdict.is_some_and(|verdict| verdict.is_consistent())
     };
     let first = doubts.hear(without.name, witness, agrees)?;
-    Some(Outvoted { without, verified, first })
-}
-
-impl Outvoted {
-    /// The correction that closes the loop of the second witness, at `keyframe`, and takes the earlier one back.
-    pub(super) fn correction(
-        &self,
-        keyframe: KeyframeId,
-        map: &Map,
-        params: &Params,
-    ) -> Option<LoopCorrection> {
-        let Outvoted { without, verified, first } = self;
-        let found = correct(keyframe, verified, &without.world.map, params, Some(first)).ok()?;
-        Some(without.in_terms_of(map, found))
-    }
+    let found = correct(keyframe, &verified, map_without, params, Some(&first)).ok()?;
+    Some(without.in_terms_of(map, found))
 }
 
 /// The loops that may be at fault, likeliest first: those without which the keyframe comes nearest to where it was verified.
